@@ -11,17 +11,19 @@ PYTHON ?= $(shell for python in python3 python3.14 python3.13 python3.12 python3
   $$python -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null && \
   command -v $$python && break; done)
 VENV ?= .venv
-# how many tests run at a time: more than processors, for many of them wait; simulators do not
-JOBS ?= 6
+# how many tests run at a time beside those without a bus: many of them wait; simulators do not
+JOBS ?= 4
 SLOW_JOBS ?= 3
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e
 BIN := $(VENV)/bin
-FAST := $(addprefix tests/,unit files types house cli physics process)
+PURE := $(addprefix tests/,unit files types house cli)
+LIVE := $(addprefix tests/,process physics)
+TIMED = $(shell grep -rl mark.timing $(PURE) $(LIVE))
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui cpp endure)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py docs/commands_page.py docs/ros_equivalents.py
 
-.PHONY: demo test test-slow check javascript commands types docs man format bench clean
+.PHONY: demo test pure live test-slow check javascript commands types docs man format bench clean
 
 demo: $(VENV)/.installed
 	@echo "Running the Husky lab as a script, without a window: about a minute"
@@ -31,10 +33,18 @@ demo: $(VENV)/.installed
 	@echo "    . $(BIN)/activate"
 	@echo "    lcmtools lab start husky"
 
-# What depends on the processor (the mark timing) comes last, one after the other.
+# Two lanes side by side: plain logic in one process, so that it is collected once; processes and
+# physics in several. What depends on the processor (the mark timing) comes last, one by one.
 test: $(VENV)/.installed-dev
-	$(BIN)/pytest -n $(JOBS) --dist worksteal -m "not timing" $(FAST) $(ARGS)
-	$(BIN)/pytest -m timing $(FAST) $(ARGS)
+	$(BIN)/python bench/suite_time.py $(MAKE) --no-print-directory -k -j2 pure live
+	$(BIN)/pytest -m timing $(TIMED) $(ARGS)
+
+# the durations of all tests are in build/pure.xml and build/live.xml
+pure: $(VENV)/.installed-dev
+	$(BIN)/pytest -q -m "not timing" --durations=25 --junitxml=build/pure.xml $(PURE) $(ARGS)
+
+live: $(VENV)/.installed-dev
+	$(BIN)/pytest -n $(JOBS) --dist worksteal -m "not timing" --durations=25 --junitxml=build/live.xml $(LIVE) $(ARGS)
 
 # The physics tests run with pybullet above, where it is installed, and with MuJoCo here.
 test-slow: $(VENV)/.installed-dev

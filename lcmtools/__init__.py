@@ -4,6 +4,7 @@ The public names of the node API, ``bag``, ``observe`` and ``publish`` are avail
 imported on first use, so that the command line starts without them.
 """
 
+import sys
 from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from lcmtools.node.spinning import spin as spin
     from lcmtools.node.spinning import spin_in_background as spin_in_background
     from lcmtools.node.spinning import spin_once as spin_once
+    from lcmtools.node.spinning import spin_until_future_complete as spin_until_future_complete
     from lcmtools.packages import message_class as message_class
 
 _HOMES = {
@@ -34,7 +36,10 @@ _HOMES = {
     "message_class": "lcmtools.packages",
     **dict.fromkeys(("from_dict", "to_dict"), "lcmtools.messages.dicts"),
     **dict.fromkeys(("init", "ok", "shutdown"), "lcmtools.node.process"),
-    **dict.fromkeys(("spin", "spin_in_background", "spin_once"), "lcmtools.node.spinning"),
+    **dict.fromkeys(
+        ("spin", "spin_in_background", "spin_once", "spin_until_future_complete"),
+        "lcmtools.node.spinning",
+    ),
 }
 
 __all__ = [
@@ -54,8 +59,27 @@ __all__ = [
     "spin",
     "spin_in_background",
     "spin_once",
+    "spin_until_future_complete",
     "to_dict",
 ]
+
+
+class _MissingNames:
+    """The last finder of modules: names what was meant by an import that lcmtools lacks."""
+
+    @staticmethod
+    def find_spec(name: str, _path: object = None, _target: object = None) -> None:
+        """Raise ImportError with a hint; return None if there is none."""
+        above, _, short = name.rpartition(".")
+        if above.partition(".")[0] == "lcmtools":
+            from lcmtools.messages.missing_names import import_hint
+
+            if hint := import_hint(above, short):
+                raise ImportError(f"cannot import '{short}' from '{above}': {hint}", name=above)
+
+
+if not any(getattr(one, "__module__", "") == __name__ for one in sys.meta_path):
+    sys.meta_path.append(_MissingNames)
 
 
 def __getattr__(name: str) -> object:
@@ -71,6 +95,9 @@ def __getattr__(name: str) -> object:
             from lcmtools.errors import UsageError
 
             raise UsageError(f"lcmtools has no '{name}'", f"write {FUNCTIONS[name]}")
-        raise AttributeError(f"module 'lcmtools' has no attribute '{name}'")
+        from lcmtools.messages.missing_names import import_hint
+
+        hint = import_hint("lcmtools", name)
+        raise AttributeError(f"module 'lcmtools' has no attribute '{name}'{hint and f'; {hint}'}")
     value = globals()[name] = getattr(import_module(_HOMES[name]), name)  # found at once next time
     return value

@@ -93,6 +93,7 @@ class UserFile(NamedTuple):
     path: Path | None = None  # None if the environment has no home
     values: Mapping[str, str] = MappingProxyType({})  # setting to text
     lines: Mapping[str, int] = MappingProxyType({})  # setting to line, from 1
+    problem: str = ""  # the reason why it is not known whether there is one
 
     def source(self, name: str) -> str:
         """Return a setting's file and line: "/home/me/.config/.../config.yaml:3"."""
@@ -116,7 +117,11 @@ def user_path(environment: Mapping[str, str]) -> Path | None:
 
 
 def read_user_file(environment: Mapping[str, str]) -> UserFile:
-    """Read the settings file, empty if there is none; InvalidFile, with the line, if invalid."""
+    """Read the settings file, empty if there is none, or if its folder cannot be read.
+
+    Raises:
+        InvalidFile: It is invalid; the error has the line.
+    """
     path = user_path(environment)
     if path is None:
         return NO_FILE
@@ -124,8 +129,10 @@ def read_user_file(environment: Mapping[str, str]) -> UserFile:
         state = path.stat()
     except (FileNotFoundError, NotADirectoryError):
         return UserFile(path)
-    except OSError as error:
-        raise InvalidFile(f"cannot read {path}: {error.strerror}") from error
+    except (
+        OSError
+    ) as error:  # a home of another user, as sudo -E gives it: it has no settings of ours
+        return UserFile(path, problem=f"cannot look into {path.parent}: {error.strerror}")
     return _read(path, state.st_mtime_ns, state.st_size)
 
 

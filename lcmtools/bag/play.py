@@ -275,15 +275,13 @@ class _Session:
         graph = self._node.graph()
         heard = self._node.has_plain_listeners(at_once=True)
         for one in self._commands.pop(graph, heard=heard):
-            said = f"{situation}: the last command on {one.topic} was {one.values}"
             if one.stop is not None and self._forced:
                 for _ in range(_STOPS):
                     self._publishers[one.topic].publish_payload(one.stop)
                     time.sleep(_STOP_GAP)
-                self._notify(f"{said}; zero was sent after it")
+                self._notify(f"{situation}: {one.said}; zero was sent after it")
             else:
-                hint = f"; to stop: {one.typed}" if one.typed else ""
-                self._notify(f"{said}, and remains in effect until another one comes{hint}")
+                self._notify(f"{situation}: {one.lasting}")
 
 
 class _Watch(AbstractContextManager["_Watch"]):

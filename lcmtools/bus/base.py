@@ -1,5 +1,7 @@
 """The interface of a bus for nodes."""
 
+import contextlib
+import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Protocol
 
@@ -7,15 +9,22 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError, BusOfParent
 
+LOCKSTEP = "LCMTOOLS_LOCKSTEP"
+"""The environment variable of programs that a recording is played to in lock-step; its value is the
+time at the start [ns]."""
+
+_MOST_FAULTS = 20  # different ones that are reported
+
 Handler = Callable[[bytes, int], None]
-"""Called with a payload and its time of arrival [ns since 1970]; must be quick."""
+"""Called with a payload and its time of arrival [ns since 1970]; must be quick, unless it is called
+by ``Bus.wait`` of a bus that ``runs_callbacks``."""
 
 
 class Bus(Protocol):
     """A connection to a bus."""
 
     on_outage: Callable[[str], None]
-    """Called on the receiving thread when the connection is lost and when it is restored."""
+    """Called when the connection is lost or restored, or a thread of the bus outlives a fault."""
 
     on_received: Callable[[], None]
     """Called after handlers have run, unless on the only thread that calls ``wait``."""
@@ -86,6 +95,55 @@ class Bus(Protocol):
 
     def leave_to_parent(self) -> None:
         """Refuse all use in a forked process, which has no receiving thread; free nothing."""
+
+
+Shortcut = Callable[[bytes], bool]
+"""Sends a payload; returns False if ``Bus.publish`` must do it. Raises OSError."""
+
+
+def runs_callbacks(bus: Bus) -> bool:
+    """Return whether handlers that ``wait`` calls may take their time: another thread takes over.
+
+    Few kinds of bus can.
+    """
+    return bool(getattr(bus, "runs_callbacks", False))
+
+
+def shortcut(bus: Bus, channel: str) -> Shortcut:
+    """Return the shortest way to publish on a channel, if the kind of bus has one."""
+    make = getattr(bus, "shortcut", None)
+    return make(channel) if make else lambda _: False
+
+
+def start_thread(run: Callable[[], None], name: str) -> threading.Thread:
+    """Start a thread that does not keep the program alive.
+
+    Raises:
+        BusError: The system gives no more threads.
+    """
+    thread = threading.Thread(target=run, name=name, daemon=True)
+    try:
+        thread.start()
+    except RuntimeError as error:
+        hint = "end others; see ulimit -u and -v"
+        raise BusError("the system gives no more threads", hint) from error
+    return thread
+
+
+class Faults:
+    """The exceptions that a thread outlives: each is reported once, and the report may fail too."""
+
+    def __init__(self, report: Callable[[str], None]) -> None:
+        self._report = report
+        self._known: set[str] = set()
+
+    def note(self, what: str, error: Exception) -> None:
+        """Report an exception, unless it is known: "WHAT failed: TypeError: ..."."""
+        text = f"{what} failed: {type(error).__name__}: {error}"
+        if text not in self._known and len(self._known) < _MOST_FAULTS:
+            self._known.add(text)
+            with contextlib.suppress(Exception):
+                self._report(text)
 
 
 def refusal(*, is_of_parent: bool) -> BusError:

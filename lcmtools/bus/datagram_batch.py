@@ -4,6 +4,7 @@ One by one, the calls and Python's objects for ancillary data and addresses take
 further work on the datagrams.
 """
 
+import contextlib
 import ctypes
 import errno
 import mmap
@@ -12,7 +13,8 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import chain
 
 from lcmtools.wire.packet import Datagram, Sender
 
@@ -30,7 +32,7 @@ _KINDS = {  # see kernel.request_arrival; by index among a slot's eight-byte wor
     for place, kind in {3: (socket.SOL_SOCKET, 35), 7: (socket.IPPROTO_IP, socket.IP_TTL)}.items()
 }
 _MOST_SENDERS = 1000  # senders that are remembered
-IS_POSSIBLE = sys.platform == "linux" and _HEADER.size == _SIZE + 8
+_IS_POSSIBLE = sys.platform == "linux" and _HEADER.size == _SIZE + 8
 
 
 class DatagramBatch:
@@ -59,12 +61,16 @@ class DatagramBatch:
         self._sizes = memoryview(self._headers).cast("I")[_SIZE // 4 :: _HEADER.size // 4]
         self._words = memoryview(self._facts).cast("Q")
 
-    def receive(self, most: int) -> Iterator[Datagram]:
-        """Yield arrived datagrams, about ``most`` at most; each is gone before the next.
+    def receive(self, most: int) -> Iterable[Datagram]:
+        """Return arrived datagrams, about ``most`` at most, or an iterator over them.
 
         Raises:
-            OSError: As for recvmsg(2).
+            OSError: The system refuses this call; nothing was read.
         """
+        first = self._received(self._receive())
+        return first if len(first) < _SLOTS else chain(first, self._more(most - _SLOTS))
+
+    def _more(self, most: int) -> Iterator[Datagram]:
         for _ in range(0, most, _SLOTS):
             count = self._receive()
             yield from self._received(count)
@@ -84,15 +90,15 @@ class DatagramBatch:
     def _received(self, count: int) -> list[Datagram]:
         data, known, add = self._data, self._senders.get, self._add_sender
         facts = _FACTS.iter_unpack(memoryview(self._facts)[: count * _FACTS.size])
-        is_known = all(self._words[place] == kind for place, kind in _KINDS.items())
+        has_time, has_ttl = (self._words[place] == kind for place, kind in _KINDS.items())
         now, places = time.time_ns(), range(0, count * _LARGEST, _LARGEST)
         slots = zip(places, self._sizes[:count].tolist(), facts, strict=True)
         return [
             (
                 data[at : at + size].tobytes(),
                 known(source) or add(source),
-                seconds * 1_000_000_000 + rest if is_known else now,
-                ttl if is_known else None,
+                seconds * 1_000_000_000 + rest if has_time else now,
+                ttl if has_ttl else None,
             )
             for at, size, (source, seconds, rest, ttl) in slots
         ]
@@ -103,3 +109,10 @@ class DatagramBatch:
         port, address = struct.unpack(">2xH4s", struct.pack("@Q", source))
         sender = self._senders[source] = Sender(socket.inet_ntoa(address), port)
         return sender
+
+
+def batch_of(receiver: socket.socket) -> DatagramBatch | None:
+    """Return the buffers for a socket; None if the system has no such call, or no memory for it."""
+    with contextlib.suppress(OSError, AttributeError, MemoryError):
+        return DatagramBatch(receiver) if _IS_POSSIBLE else None
+    return None

@@ -19,7 +19,9 @@ from typing import NamedTuple
 
 from lcmtools.bus.socket_filter import FilterProgram
 
-ANCILLARY_BYTES = 64  # size of the ancillary data that ``recvmsg`` is to return
+STAMP_ROOM = socket.CMSG_SPACE(16)
+"""Size of the ancillary data that ``recvmsg`` is to return: a receive time [byte]."""
+ANCILLARY_BYTES = STAMP_ROOM + socket.CMSG_SPACE(4)  # and a time to live
 ANNOUNCED = 0x5C
 """Mark of a socket whose subscriptions are announced, or that only observes.
 
@@ -35,18 +37,22 @@ The kernel counts what a filter drops and what a full buffer drops together.
 """
 SUBSCRIBED = 0x6C
 """Mark of an announced socket whose filter drops channels that its node does not subscribe to."""
+UNFILTERED = 0x7C
+"""Mark of an announced socket whose filter the system refused, so that it receives everything."""
+OWN_MARKS = ANNOUNCED, SELECTIVE, SUBSCRIBED, UNFILTERED
 
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
-_SO_ATTACH_FILTER, _SO_MEMINFO, _SO_NETNS_COOKIE, _IP_RECVTTL = 26, 55, 71, 12
+_SO_ATTACH_FILTER, _SO_DETACH_FILTER, _SO_MEMINFO, _SO_NETNS_COOKIE = 26, 27, 55, 71
+_IP_RECVTTL, _SO_RCVTIMEO = 12, 20
 _UDP_SEGMENT, _TCP_INFO = 103, 11  # linux/udp.h, linux/tcp.h
 _MEMORY_USED, _MEMORY_LIMIT, _MEMORY_DROPS = 0, 1, 8  # indices of its numbers (linux/sock_diag.h)
 IS_LINUX = sys.platform == "linux"
-# the option for receive times, the kind of its ancillary data, their seconds and fraction, and the
-# fraction's unit [ns]: SO_TIMESTAMPNS on Linux, SO_TIMESTAMP on macOS and BSD (sys/socket.h)
-_STAMP_OPTION, STAMP_KIND, STAMP, STAMP_UNIT = (
-    (35, 35, struct.Struct("@qq"), 1) if IS_LINUX else (0x0400, 0x02, struct.Struct("@qi"), 1000)
-)
+# the option for receive times, the kind of its ancillary data and the unit of its fractions [ns]:
+# SO_TIMESTAMPNS on Linux, SO_TIMESTAMP on macOS and BSD (sys/socket.h)
+_STAMP_OPTION, STAMP_KIND, _STAMP_UNIT = (35, 35, 1) if IS_LINUX else (0x0400, 0x02, 1000)
+_STAMPS = {8: struct.Struct("=ii"), 16: struct.Struct("=qq" if IS_LINUX else "=qi")}
+"""Seconds and fraction of a receive time by its size [byte]."""
 
 _LITTLE_BYTES = 1 << 16
 _RETRANSMITS = 2  # index in struct tcp_info (linux/tcp.h): retransmissions without an answer
@@ -91,24 +97,46 @@ def is_unanswered(connection: socket.socket) -> bool:
     return IS_LINUX and connection.getsockopt(*option)[_RETRANSMITS] > 0
 
 
+def duplicate(descriptor: int) -> socket.socket:
+    """Return another library's socket, which blocks or not as before, whatever Python's default."""
+    blocks = os.get_blocking(descriptor)
+    copy = socket.socket(fileno=os.dup(descriptor))
+    os.set_blocking(descriptor, blocks)
+    return copy
+
+
 def share_port(receiver: socket.socket) -> None:
     """Let other sockets receive from the same group and port, as liblcm does."""
-    receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    if not IS_LINUX:  # macOS and BSD need both
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+    with contextlib.suppress(OSError):  # then it may be the only one
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if not IS_LINUX:  # macOS and BSD need both
+            receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
-def request_arrival(receiver: socket.socket) -> bool:
-    """Request each datagram's receive time and time to live as ancillary data (ip(7)).
+def request_arrival(receiver: socket.socket, *, ttl: bool = True) -> bool:
+    """Request each datagram's receive time, and its time to live, as ancillary data (ip(7)).
 
     Return False if the system gives no receive time.
     """
     with contextlib.suppress(OSError):
-        receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
-        if IS_LINUX:
+        if IS_LINUX and ttl:
             receiver.setsockopt(socket.IPPROTO_IP, _IP_RECVTTL, 1)
+    with contextlib.suppress(OSError):
+        receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
         return True
     return False
+
+
+def received_at(stamp: bytes) -> int:
+    """Return the receive time in ancillary data of STAMP_KIND [ns since 1970].
+
+    On 32-bit Linux, and for 32-bit programs on any, seconds and fraction have 32 bits each.
+    """
+    layout = _STAMPS.get(len(stamp))
+    if layout is None:
+        return time.time_ns()
+    seconds, fraction = layout.unpack_from(stamp)
+    return int(seconds * 1_000_000_000 + fraction * _STAMP_UNIT)
 
 
 def arrival(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
@@ -118,9 +146,8 @@ def arrival(ancillary: list[tuple[int, int, bytes]]) -> tuple[int, int | None]:
     """
     received, ttl = 0, None
     for level, kind, data in ancillary:
-        if level == socket.SOL_SOCKET and kind == STAMP_KIND and len(data) >= STAMP.size:
-            seconds, fraction = STAMP.unpack_from(data)
-            received = seconds * 1_000_000_000 + fraction * STAMP_UNIT
+        if level == socket.SOL_SOCKET and kind == STAMP_KIND:
+            received = received_at(data)
         elif level == socket.IPPROTO_IP and kind == socket.IP_TTL:
             ttl = int.from_bytes(data[:4], sys.byteorder)
     return received or time.time_ns(), ttl
@@ -153,15 +180,38 @@ def mark(receiver: socket.socket, value: int) -> None:
 
 
 def attach(receiver: socket.socket, program: FilterProgram) -> bool:
-    """Attach a filter to a socket; return False if the system has no filters."""
+    """Let a socket receive only what passes a filter; if it is refused, everything: return False.
+
+    The old filter and the new one share little memory (``net.core.optmem_max``, 20 kB before Linux
+    6.7) until the old one is freed. If both together do not fit, the old one is removed first.
+    """
     if not IS_LINUX:
         return False
     rows = (struct.pack("=HBBI", i.code, i.if_true, i.if_false, i.k) for i in program)
     code = array("B", b"".join(rows))  # struct sock_filter
     # struct sock_fprog: the number of instructions and their address
     argument = struct.pack("@HP", len(program), code.buffer_info()[0])
+    for _ in range(2):
+        with contextlib.suppress(OSError):
+            receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
+            return True
+        detach(receiver)
+    return False
+
+
+def detach(receiver: socket.socket) -> None:
+    """Let a socket receive everything."""
+    with contextlib.suppress(OSError):  # it has no filter
+        receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
+
+
+def bound_wait(receiver: socket.socket, seconds: float) -> bool:
+    """Let a blocking socket wait for ``seconds`` at most; return False if it may wait longer."""
+    if not IS_LINUX:
+        return False
     with contextlib.suppress(OSError):
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
+        longest = struct.pack("@ll", 0, round(seconds * 1e6))  # struct timeval
+        receiver.setsockopt(socket.SOL_SOCKET, _SO_RCVTIMEO, longest)
         return True
     return False
 

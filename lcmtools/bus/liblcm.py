@@ -31,7 +31,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 
 from lcmtools.bus.base import outage_texts
-from lcmtools.bus.kernel import drop_what_is_late
+from lcmtools.bus.kernel import drop_what_is_late, duplicate
 from lcmtools.bus.network_watch import member
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
@@ -102,7 +102,7 @@ class Connection:
         if self._url.provider != "tcpq" or self.instance is None:
             return False
         try:
-            with socket.socket(fileno=os.dup(self.instance.fileno())) as connection:
+            with duplicate(self.instance.fileno()) as connection:
                 return not connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         except BlockingIOError:
             return False
@@ -226,7 +226,7 @@ def open_lcm(url: BusUrl) -> Instance:
             instance = lcm.LCM(str(url))
             instance.fileno()  # this creates the receiving sockets
         if url.provider == "tcpq":
-            with socket.socket(fileno=os.dup(instance.fileno())) as connection:
+            with duplicate(instance.fileno()) as connection:
                 drop_what_is_late(connection, _LATE)
     except (RuntimeError, OSError) as error:
         raise BusError(f"LCM cannot open {url}") from error

@@ -7,13 +7,12 @@ when they spend less (as TCP Vegas does with its window). Only on Linux, not wit
 
 import contextlib
 import math
-import os
 import socket
 import struct
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from lcmtools.bus.kernel import IS_LINUX, keep_little_waiting, open_descriptors
+from lcmtools.bus.kernel import IS_LINUX, duplicate, keep_little_waiting, open_descriptors
 
 _QUEUED = 0.05  # [s] that data may spend in queues
 _PERIOD = 0.05  # [s] between two adjustments
@@ -76,7 +75,7 @@ class Ends(NamedTuple):
     @classmethod
     def of(cls, descriptor: int) -> "Ends":
         """Return the ends of a connection by its descriptor; OSError if it has none."""
-        with _duplicate(descriptor) as connection:
+        with duplicate(descriptor) as connection:
             return _ends(connection)
 
     @property
@@ -97,7 +96,7 @@ class LineBuffers:
         self._known = {ends: kept for ends, kept in self._known.items() if ends in missing}
         missing -= self._known.keys()
         for descriptor in open_descriptors() if missing else ():
-            with contextlib.suppress(OSError), _duplicate(descriptor) as connection:
+            with contextlib.suppress(OSError), duplicate(descriptor) as connection:
                 if (ends := _ends(connection)) in missing:
                     self._known[ends] = descriptor, LineBuffer(connection)
 
@@ -105,7 +104,7 @@ class LineBuffers:
         """Adjust all buffers to their lines."""
         for ends, (descriptor, buffer) in list(self._known.items()):
             # another file may have got the number meanwhile
-            with contextlib.suppress(OSError), _duplicate(descriptor) as connection:
+            with contextlib.suppress(OSError), duplicate(descriptor) as connection:
                 if _ends(connection) == ends:
                     buffer.adjust(connection, now)
 
@@ -113,10 +112,6 @@ class LineBuffers:
         """Return the addresses at the other ends of lines that were full in the last seconds."""
         recent = (x for x, (_, one) in list(self._known.items()) if now - one.full_at < _RECENT)
         return sorted({ends.other[0] for ends in recent})
-
-
-def _duplicate(descriptor: int) -> socket.socket:
-    return socket.socket(fileno=os.dup(descriptor))
 
 
 def _ends(connection: socket.socket) -> Ends:

@@ -25,7 +25,7 @@ from lcmtools.bus.network_watch import LOOPBACK, join, join_loopback, network_wa
 from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import wait_readable
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, os_errors_as
 from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import short_message
 
@@ -35,15 +35,38 @@ _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.
 _NETWORK_ROUTE = "sudo ip route add 224.0.0.0/4 dev IFACE"
 _NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}
 _OVER_LOOPBACK = socket.IPPROTO_IP, _IP_PKTINFO, struct.pack("=i4s4s", LOOPBACK, b"", b"")
+_FULL_QUEUE = (
+    "the queue of the network card to {where} is full",
+    "send less, or give it more room: sudo ip link set dev IFACE txqueuelen 10000",
+)
+_FEW_MEMBERSHIPS = (
+    "the system permits no membership of {where}",
+    "type: sudo sysctl -w net.ipv4.igmp_max_memberships=20 net.core.optmem_max=131072",
+)
 _LOOPBACK_TIMEOUT = 0.4  # [s]; it normally takes well under a millisecond
 
 
 def sending_socket(url: BusUrl) -> socket.socket:
-    """Return a socket that sends to the group as liblcm does: looped back, with the bus's ttl."""
-    sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, url.ttl)
-    sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+    """Return a socket that sends to the group as liblcm does: looped back, with the bus's ttl.
+
+    Raises:
+        BusError: The system does not limit the hops of its datagrams.
+    """
+    with _explained(url), contextlib.ExitStack() as stack:
+        sender = stack.enter_context(_own_socket())
+        with os_errors_as(f"the system does not limit datagrams to {url.ttl} hops", kind=BusError):
+            sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, url.ttl)
+        with contextlib.suppress(OSError):  # it is the default
+            sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+        stack.pop_all()
     return sender
+
+
+def _own_socket() -> socket.socket:
+    """Return a socket that blocks, whatever the program's default for new sockets."""
+    found = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    found.settimeout(None)
+    return found
 
 
 def send_to_group(sender: socket.socket, datagram: bytes, address: tuple[str, int]) -> None:
@@ -72,16 +95,17 @@ def receiving_socket(
     Raises:
         BusError: The group cannot be joined.
     """
-    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     with _explained(url), contextlib.ExitStack() as stack:
-        stack.enter_context(receiver)  # closed on an error
+        receiver = stack.enter_context(_own_socket())  # closed on an error
         share_port(receiver)
-        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
-        request_arrival(receiver)
+        with contextlib.suppress(OSError):  # the usual buffer may do
+            receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
+        request_arrival(receiver, ttl=False)
         mark(receiver, SELECTIVE if program and attach(receiver, program) else ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))
-        join(receiver, url.host)
+        with _explained(url, _FEW_MEMBERSHIPS):
+            join(receiver, url.host)
         join_loopback(receiver, url.host)
         if not is_brief:
             network_watch.follow(receiver, url.host)
@@ -95,7 +119,7 @@ def check_multicast(url: BusUrl) -> None:
     Raises:
         BusError: It does not; the error says what to type. This takes under half a second.
     """
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe, _explained(url):
+    with _explained(url), _own_socket() as probe:
         probe.connect((url.host, url.port))  # sends nothing, but fails without a route
     with receiving_socket(url, is_brief=True) as receiver, sending_socket(url) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
@@ -137,8 +161,8 @@ def _receives_self_test(receiver: socket.socket, port: int, timeout: float) -> b
 
 
 @contextlib.contextmanager
-def _explained(url: BusUrl) -> Iterator[None]:
-    """Raise a system error as a BusError, explained to the user of a bus."""
+def _explained(url: BusUrl, full: tuple[str, str] = _FULL_QUEUE) -> Iterator[None]:
+    """Raise a system error as a BusError, explained to a user; ``full`` explains ENOBUFS."""
     where = f"{url.host}:{url.port}"
     try:
         yield
@@ -156,6 +180,5 @@ def _explained(url: BusUrl) -> Iterator[None]:
             what = f"{where} is used by a program that does not share it"
             hint = f"find it with: ss -ulnp 'sport = :{url.port}'"
         elif error.errno == errno.ENOBUFS:
-            what = f"the queue of the network card to {where} is full"
-            hint = "send less, or give it more room: sudo ip link set dev IFACE txqueuelen 10000"
+            what, hint = full[0].format(where=where), full[1]
         raise BusError(what, hint) from error

@@ -37,7 +37,7 @@ def route_interface(group: str) -> str:
     """Return the interface of the route to a group; "" if there is none or it is unknown."""
     best, found = (-1, 0), ""
     try:
-        lines = Path("/proc/net/route").read_text().splitlines()[1:]
+        lines = Path("/proc/net/route").read_text(errors="replace").splitlines()[1:]
     except OSError:
         return ""
     own = struct.unpack("=I", socket.inet_aton(group))[0]
@@ -53,17 +53,30 @@ def route_interface(group: str) -> str:
 def join(receiver: socket.socket, group: str) -> bool:
     """Join a group on the interface of the route to it; return False if that is done already.
 
+    If a socket may have no more memberships, it leaves the group on the other interfaces.
+
     Raises:
-        OSError: There is no route.
+        OSError: There is no route, or no membership at all is permitted.
     """
     membership = struct.pack("=4sl", socket.inet_aton(group), socket.INADDR_ANY)
     try:
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
     except OSError as error:
-        if error.errno != errno.EADDRINUSE:
+        if error.errno == errno.EADDRINUSE:
+            return False
+        if error.errno != errno.ENOBUFS:
             raise
-        return False
+        _leave_everywhere(receiver, group)
+        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
     return True
+
+
+def _leave_everywhere(receiver: socket.socket, group: str) -> None:
+    latest = max((index for index, _ in socket.if_nameindex()), default=0)
+    for index in range(1, latest + 1):  # also of interfaces that are gone
+        membership = struct.pack("=4s4si", socket.inet_aton(group), b"", index)
+        with contextlib.suppress(OSError):
+            receiver.setsockopt(socket.IPPROTO_IP, socket.IP_DROP_MEMBERSHIP, membership)
 
 
 def join_loopback(receiver: socket.socket, group: str) -> None:
@@ -112,14 +125,16 @@ class NetworkWatch:
         """Join again where the routes lead now."""
         for receiver, group in tuple(self._members.items()):
             with contextlib.suppress(OSError):  # no route now, or closed meanwhile
-                join(receiver, group)
+                if join(receiver, group):
+                    join_loopback(receiver, group)
         for group, before in tuple(self._interfaces.items()):
             now = route_interface(group)
             if now != before:
                 self._interfaces[group] = now
                 text = _TOLD[bool(now)].format(group=group, interface=now)
                 for listener in tuple(self._tell):
-                    listener(text)
+                    with contextlib.suppress(Exception):  # a log, for example, whose reader ended
+                        listener(text)
 
     def _run(self) -> None:
         changes = _changes()
@@ -128,8 +143,11 @@ class NetworkWatch:
             if changes is None:
                 time.sleep(_PERIOD)
             else:
-                with contextlib.suppress(OSError):  # ENOBUFS: some reports are lost
+                try:
                     changes.recv(1 << 16)
+                except OSError as error:
+                    if error.errno != errno.ENOBUFS:  # else only some reports are lost
+                        time.sleep(_PERIOD)
             self.look()
 
 
@@ -139,6 +157,7 @@ def _changes() -> socket.socket | None:
         return None
     try:
         changes = socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_ROUTE)
+        changes.settimeout(None)  # whatever the program's default for new sockets
         changes.bind((0, _CHANGES))
     except OSError:  # a sandbox without netlink
         return None

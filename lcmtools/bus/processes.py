@@ -126,13 +126,13 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
 def process_of(pid: int) -> Process | None:
     """Return the process with this pid; None if there is none (a zombie has ended).
 
-    Without proc(5), its command and start are unknown.
+    Where proc(5) does not show it, its command and start are unknown.
     """
     try:
         fields = _status(pid)
         command = (_PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
-    except OSError:
-        return Process(pid, "") if not shows_own_pids() and _takes_signals(pid) else None
+    except OSError:  # it has ended, or /proc hides it (hidepid, another namespace)
+        return Process(pid, "") if _takes_signals(pid) else None
     if fields[0] in ("Z", "X"):
         return None
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
@@ -142,7 +142,7 @@ def innermost_pid(pid: int) -> tuple[int, int]:
     """Return a process's pid namespace and its pid there, as in a container; zeros if unknown."""
     folder = _PROC / str(pid)
     with contextlib.suppress(OSError, StopIteration, ValueError):
-        lines = (folder / "status").read_text().splitlines()
+        lines = (folder / "status").read_text(errors="replace").splitlines()
         pids = next(line for line in lines if line.startswith("NSpid:"))
         return (folder / "ns/pid").stat().st_ino, int(pids.split()[-1])
     return 0, 0
@@ -159,11 +159,11 @@ def is_stopped(pid: int) -> bool:
 def _takes_signals(pid: int) -> bool:
     try:
         os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
     except PermissionError:  # another user's process
         return True
-    return True
+    except (OSError, OverflowError):
+        return False
+    return pid > 0  # others are groups
 
 
 def usage_of(pid: int) -> Usage | None:
@@ -199,8 +199,9 @@ def _status(pid: int) -> list[str]:
     """
     if not shows_own_pids():
         raise OSError
-    status = (_PROC / str(pid) / "stat").read_text()
-    return status.rpartition(")")[2].split()  # the name before it may contain anything
+    status = (_PROC / str(pid) / "stat").read_bytes()
+    # the name before it may contain anything, also half a character
+    return status.rpartition(b")")[2].decode().split()
 
 
 def is_local(address: str) -> bool:

@@ -25,8 +25,11 @@ class NodeRecords:
     def __init__(self, url: BusUrl, environment: Mapping[str, str]) -> None:
         self._folders = [base / _FOLDER / url.file_name for base in _base_folders(environment)]
 
-    def write(self, node: Node) -> None:
-        """Write a node's record, if there is room, and remove those of dead nodes of its name."""
+    def write(self, node: Node) -> bool:
+        """Write a node's record, and remove those of dead nodes of its name.
+
+        Return False if no folder takes it: other users' folders, or a full disk.
+        """
         for dead in self.read():
             if dead.name == node.name and dead.stale is Staleness.ENDED:
                 self.remove(dead.id)
@@ -44,15 +47,7 @@ class NodeRecords:
             "publishes": [one.topic for one in node.having(Role.PUBLISHER)],
             "subscribes": [one.topic for one in node.having(Role.SUBSCRIBER)],
         }
-        with contextlib.suppress(OSError):
-            folder = self._folders[0]
-            for part in (folder.parent.parent, folder.parent, folder):
-                part.mkdir(mode=0o700, exist_ok=True)  # parents=True would heed the umask only
-            if not _is_private(folder):
-                return
-            temporary = folder / f".{node.id}"
-            temporary.write_text(json.dumps(record))
-            temporary.replace(folder / f"{node.id}.json")
+        return any(_is_written(folder, node.id, json.dumps(record)) for folder in self._folders)
 
     def remove(self, identifier: str) -> None:
         """Remove a node's record."""
@@ -71,7 +66,8 @@ class NodeRecords:
             with contextlib.suppress(ValueError, KeyError, TypeError):
                 pid = int(str(record["pid"]))
                 process = process_of(pid)
-                is_alive = process is not None and process.start_ticks == record.get("start_ticks")
+                starts = 0, record.get("start_ticks")  # 0 where the system does not show it
+                is_alive = process is not None and process.start_ticks in starts
                 yield Node(
                     name=str(record["name"]),
                     id=str(record["id"]),
@@ -106,6 +102,19 @@ class NodeRecords:
                         yield record
 
 
+def _is_written(folder: Path, identifier: str, record: str) -> bool:
+    """Write a record into a folder, which is made if need be; return False if that fails."""
+    with contextlib.suppress(OSError):
+        for part in (folder.parent.parent, folder.parent, folder):
+            part.mkdir(mode=0o700, exist_ok=True)  # parents=True would heed the umask only
+        if _is_private(folder):
+            temporary = folder / f".{identifier}"
+            temporary.write_text(record)
+            temporary.replace(folder / f"{identifier}.json")
+            return True
+    return False
+
+
 def _own_namespaces() -> dict[str, int]:
     """Return the numbers of this process's namespaces. A later network may get the same number."""
     return {
@@ -116,11 +125,16 @@ def _own_namespaces() -> dict[str, int]:
 
 
 def _base_folders(environment: Mapping[str, str]) -> list[Path]:
-    """Return the folders of records, first the one to write to: the user's runtime folder, /tmp."""
+    """Return the folders of records, those to write to first: the user's runtime folder, /tmp.
+
+    A runtime folder of another user, as ``sudo -E`` gives it, is left alone: what root makes in it
+    shuts that user out.
+    """
     shared = Path(f"/tmp/lcmtools-{os.getuid()}")  # noqa: S108 - private, and checked to be
-    runtime = environment.get("XDG_RUNTIME_DIR")
-    if runtime and Path(runtime).is_dir():
-        return [Path(runtime) / "lcmtools", shared]
+    runtime = environment.get("XDG_RUNTIME_DIR", "")
+    with contextlib.suppress(OSError, ValueError):
+        if stat.S_ISDIR((status := os.stat(runtime)).st_mode) and status.st_uid == os.getuid():  # noqa: PTH116
+            return [Path(runtime) / "lcmtools", shared]
     return [shared]
 
 

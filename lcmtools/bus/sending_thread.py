@@ -4,6 +4,8 @@ import threading
 from abc import ABC, abstractmethod
 from typing import Generic, TypeVar
 
+from lcmtools.bus.base import start_thread
+
 MessageT = TypeVar("MessageT")
 
 _FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
@@ -42,10 +44,13 @@ class SendingThread(ABC, Generic[MessageT]):
             self._thread.join(_FLUSH_TIMEOUT)
 
     def _start(self) -> None:
-        """Start the thread for the first message; with ``_changed``."""
+        """Start the thread for the first message; with ``_changed``.
+
+        Raises:
+            BusError: The system gives no more threads.
+        """
         if self._thread is None and not self._closed:
-            self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
-            self._thread.start()
+            self._thread = start_thread(self._run, self._name)
 
     def _run(self) -> None:
         while (message := self._await_next()) is not None:

@@ -70,8 +70,9 @@ def wait_readable(descriptors: Sequence[int], timeout: float | None) -> Collecti
 def _ends() -> tuple[FileIO, FileIO]:
     """The ends to read and to write: as files, because closed descriptors may be reused."""
     if sys.platform == "linux" and hasattr(os, "eventfd"):
-        both = FileIO(os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK), "r+")
-        return both, both
+        with contextlib.suppress(OSError):  # a sandbox without this call
+            both = FileIO(os.eventfd(0, os.EFD_CLOEXEC | os.EFD_NONBLOCK), "r+")
+            return both, both
     read, write = os.pipe()
     for descriptor in (read, write):
         os.set_blocking(descriptor, False)

@@ -27,7 +27,10 @@ def chosen_url() -> "BusUrl":
     from lcmtools.bus.url import choose_url
 
     choice = bus_choice()
-    url, source = choose_url(choice.url, choice.domain, os.environ, read_user_file(os.environ))
+    file = read_user_file(os.environ)
+    url, source = choose_url(choice.url, choice.domain, os.environ, file)
+    if file.problem:
+        write_note(f"lcmtools: {file.problem}; going on without settings")
     if choice.domain and source != "--domain":
         write_note(f"lcmtools: --domain {choice.domain} has no effect: {source} takes precedence")
     return with_notes(url, source)

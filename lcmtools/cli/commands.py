@@ -109,6 +109,7 @@ param = _group(
 _BAG = _entries("""\
 record      cli.bag.record:command         Record messages into a log.
 play        cli.bag.play:command           Publish the messages of logs again, as timed.
+rerun       cli.bag.rerun:command          Test a program with a recording.
 info        cli.bag.info:info              Show what is in logs.
 plot        cli.plot:of_log                Draw fields of a log over time.
 filter      cli.bag.filter_cut:filter_     Write the messages that meet a condition.

@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 
-from lcmtools.bus.base import Bus
+from lcmtools.bus.base import Bus, Faults, start_thread
 from lcmtools.errors import BusError
 from lcmtools.graph import protocol
 from lcmtools.graph.model import Endpoint, Node
@@ -30,6 +30,7 @@ class Announcer:
     def __init__(self, bus: Bus, describe: Callable[[], list[Node]]) -> None:
         self._bus = bus
         self._describe = describe
+        self._faults = Faults(bus.on_outage)
         self._changed = threading.Condition()
         self._due = time.monotonic() + _CHANGE_DELAY
         self._rested = 0.0
@@ -46,8 +47,7 @@ class Announcer:
         self._latest: _Counted = (0, {})
         self._next_count = 0.0
         bus.subscribe(protocol.PROBE_CHANNEL, self._receive_probe)
-        self._thread = threading.Thread(target=self._run, name="announcer", daemon=True)
-        self._thread.start()
+        self._thread = start_thread(self._run, "announcer")
 
     def announce_soon(self) -> None:
         """Announce all nodes in a moment, because one has changed; return at once.
@@ -128,7 +128,10 @@ class Announcer:
                 self._owed = {"": 0} if self._owes_another else {}
                 self._answer_due = began + ANSWER_SPREAD if self._owes_another else math.inf
                 self._owes_another = False
-            self._announce(owed)
+            try:
+                self._announce(owed)
+            except Exception as error:  # noqa: BLE001 - a node must not vanish for good
+                self._faults.note("announcing", error)
 
     def _left(self) -> float:
         """Return the time until the next announcement [s]."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import TracebackType
 
 from lcmtools.graph.model import CallbackError
+from lcmtools.message_value import name_fields
 from lcmtools.node.logger import Logger, Place, sendable
 
 _MOST_KEPT = 100  # different errors of one node
@@ -47,6 +48,7 @@ class CallbackErrors:
 
     def add(self, callback: str, error: BaseException, function: object) -> None:
         """Log and count one exception of a callback, named as in ``CallbackError``."""
+        name_fields(error)
         place = place_of(error, function)
         key = (callback, type(error).__name__, sendable(f"{Path(place[0]).name}:{place[1]}"))
         now, seen = time.monotonic(), self._seen.get(key)

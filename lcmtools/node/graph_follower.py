@@ -10,8 +10,8 @@ import threading
 import time
 
 from lcmtools.bounded import BoundedDict
-from lcmtools.bus.base import Bus, refusal
-from lcmtools.bus.channel_socket import ChannelSocket
+from lcmtools.bus.base import Bus, refusal, start_thread
+from lcmtools.bus.group_receiver import ChannelSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph.builder import MOST_NODES, GraphBuilder
@@ -81,8 +81,8 @@ class GraphFollower:
         if self._socket is None:
             self._bus.subscribe(NODE_CHANNEL, self._keep)
         else:
-            self._thread = threading.Thread(target=self._run, name="graph follower", daemon=True)
-            self._thread.start()
+            with contextlib.suppress(BusError):  # no more threads: each request reads the socket
+                self._thread = start_thread(self._run, "graph follower")
         with contextlib.suppress(BusError):  # nodes announce within 1 s anyway
             self._bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
 

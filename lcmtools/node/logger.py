@@ -152,5 +152,5 @@ def _print(entry: Log, text: str, stream: TextIO) -> None:
         stream.flush()
     except BrokenPipeError:
         raise
-    except OSError:  # a full disk, most likely
+    except (OSError, ValueError):  # a full disk, most likely, or the program has closed the stream
         return

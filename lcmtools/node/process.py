@@ -13,7 +13,7 @@ from types import FrameType
 from lcmtools.arguments import NodeArguments, looks_special, misspelt, split_arguments
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
-from lcmtools.errors import LcmtoolsError, UsageError, explained
+from lcmtools.errors import BusError, LcmtoolsError, UsageError, explained, os_errors_as
 from lcmtools.messages.supply import has_supply
 from lcmtools.node import checks
 from lcmtools.node.context import Context
@@ -74,10 +74,13 @@ def init(
     if not has_supply():
         provide_user_types()
     _process.context.notices += misread_options(bus_url, source)
+    if file.problem:
+        _process.context.notices.append(f"{file.problem}; there may be settings")
     if arguments.domain and source != "--domain":
         notice = f"--domain {arguments.domain} has no effect: {source} takes precedence"
         _process.context.notices.append(notice)
-    for word in filter(looks_special, rest[: rest.index("--")] if "--" in rest else rest):
+    _process.context.used.words = rest[: rest.index("--")] if "--" in rest else rest
+    for word in filter(looks_special, _process.context.used.words):
         hint = misspelt(words, word) or "write from:=to without spaces"
         _process.context.notices.append(f"'{word}' names nothing; {hint}")
     if handle_signals and threading.current_thread() is threading.main_thread():
@@ -107,7 +110,8 @@ def open_context(url: BusUrl, arguments: NodeArguments) -> Context:
         hint = "read it with lcmtools echo --lcm-url, or give the node another bus"
         raise UsageError(f"{url} is a log, and nodes need a bus", hint)
     records = NodeRecords(url, os.environ)
-    context = Context(open_bus(url), arguments, os.environ, records, url)
+    with os_errors_as(f"cannot open {url}", kind=BusError):
+        context = Context(open_bus(url), arguments, os.environ, records, url)
     context.on_shutdown_request = partial(_end_as_by_signal, context)
     return context
 
@@ -178,7 +182,8 @@ def _interrupted(number: int, _frame: FrameType | None) -> None:
     context.stop()
     thread = threading.Timer(_GRACE, _interrupt_again, [context])
     thread.daemon = True
-    thread.start()
+    with contextlib.suppress(RuntimeError):  # no more threads: a second Ctrl-C interrupts it
+        thread.start()
 
 
 def _end_as_by_signal(context: Context) -> None:

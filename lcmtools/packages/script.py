@@ -11,6 +11,7 @@ from pathlib import Path
 from traceback import print_exception
 from types import ModuleType, TracebackType
 
+from lcmtools.message_value import name_fields
 from lcmtools.packages.runnable_nodes import in_place_of_ros, provide_imports
 
 
@@ -29,6 +30,7 @@ def _report(kind: type[BaseException], error: BaseException, frames: TracebackTy
     """Print an error as if Python had run the file, and name what replaces a module of ROS."""
     while frames and frames.tb_frame.f_code.co_filename != sys.argv[0]:
         frames = frames.tb_next
+    name_fields(error)
     print_exception(kind, error, frames)
     if isinstance(error, ModuleNotFoundError) and (own := in_place_of_ros(error.name or "")):
         sys.stderr.write(f"{Path(sys.argv[0]).name} imports '{error.name}', as in ROS; {own}\n")

@@ -15,6 +15,7 @@ from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools import Node
+from lcmtools.bus.kernel import receive_buffer_bytes, receive_buffers
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import ServiceError
@@ -243,6 +244,18 @@ def test_an_unknown_parameter_is_warned_of(everything: Callable[..., Program]) -
     everything("_gian:=2").wait_for("there is no parameter 'gian'")
 
 
+def test_names_that_no_node_uses_are_warned_of(everything: Callable[..., Program]) -> None:
+    words = ("word:=/a", "words:=/b", "echo=c", "gain=3", "_lr=3", "lr=3", "--", "echo=d")
+    program = everything(*words)
+    program.wait_for("'_lr=3'")
+    assert [line.partition("]: ")[2] for line in program.lines if "[WARN]" in line] == [
+        "word:=/a has no effect: no topic or service here is named 'word'",
+        "'echo=c' names nothing; did you mean echo:=c?",
+        "'gain=3' names nothing; did you mean _gain:=3?",
+        "'_lr=3' names nothing; did you mean _lr:=3?",
+    ]
+
+
 def test_its_service_answers_and_refuses(everything: Callable[..., Program], talk: Talk) -> None:
     everything("_gain:=7")
     client = talk.node.create_client(SetBool, "/husky0/refuse")
@@ -252,6 +265,29 @@ def test_its_service_answers_and_refuses(everything: Callable[..., Program], tal
     request.data = False
     with pytest.raises(ServiceError, match="it must be true"):
         client.call(request, 20.0)
+
+
+def test_it_calls_asynchronously_while_it_spins(everything: Callable[..., Program]) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    words = ["gain 1", "/husky0/refuse: it must be true", "timeout", "interrupted", "spun"]
+    assert program.lines[1:] == words
+
+
+def test_a_request_is_repeated_until_its_service_is_there(
+    everything: Callable[..., Program], talk: Talk
+) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+
+    def answer(_: Any, response: Any) -> Any:
+        response.message = "at last"
+        return response
+
+    talk.node.create_service(SetBool, "/husky0/nobody", answer)
+    program.wait_for("at last")
 
 
 def test_it_calls_a_service_in_a_callback(
@@ -354,6 +390,17 @@ def test_a_killed_one_is_noticed(everything: Callable[..., Program], cli: Cli) -
     program.send_signal(signal.SIGKILL)
     program.wait()
     assert_says(cli("wtf").out, NAME, str(program.pid))
+
+
+def test_its_receive_buffer_is_as_large_as_the_system_grants(
+    everything: Callable[..., Program],
+) -> None:
+    """A plain LCM program sends an image in one burst."""
+    program = everything()
+    links = [str(one.readlink()) for one in Path(f"/proc/{program.pid}/fd").iterdir()]
+    inodes = [int(link[8:-1]) for link in links if link.startswith("socket:")]
+    sizes = receive_buffers()
+    assert 2 * receive_buffer_bytes() in [sizes.get(inode) for inode in inodes]
 
 
 def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(

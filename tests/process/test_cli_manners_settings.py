@@ -135,6 +135,19 @@ def test_home_that_is_no_folder_is_no_fault(cli: Run, bus_url: str) -> None:
     assert (result.code, result.err) == (0, f"no topics on {bus_url}\n")
 
 
+def test_home_that_cannot_be_read_is_named_and_gone_on_with(
+    cli: Run, bus_url: str, tmp_path: Path
+) -> None:
+    """As with ``sudo -E`` and a home that root may not read."""
+    loop = tmp_path / "home"
+    loop.symlink_to(loop)
+    environment = {"LCM_DEFAULT_URL": bus_url, "XDG_CONFIG_HOME": str(loop)}
+    result = cli("pub", "-1", "/chatter", "std_msgs/String", "data: a", env=environment)
+    assert result.code == 0
+    assert f"lcmtools: cannot look into {loop}/lcmtools: " in result.err
+    assert cli("config", env=environment).code == 0
+
+
 def test_complaint_on_a_terminal_has_its_command_in_colour(on_terminal: Callable[..., str]) -> None:
     assert on_terminal("list", "--wait", "x").startswith("\x1b[1;31mlcmtools list:\x1b[0m invalid")
 

@@ -1,6 +1,9 @@
 """run: nodes by their names, with names, remaps and parameters in both forms."""
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -71,6 +74,22 @@ def test_help_after_the_name_is_the_nodes_own(arguments: list[str], cli: Run) ->
     result = cli("run", "talker", *arguments, env={"LCM_DEFAULT_URL": "no bus is needed"})
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith('Publish "hello world" ten times a second')
+
+
+def test_a_python_without_docstrings_helps_and_runs(bus_url: str) -> None:
+    """PYTHONOPTIMIZE=2 drops them: the nodes' help, and the sentences of commands and rules."""
+    from lcmtools.labs import nodes
+
+    files = Path(nodes.__file__).parent.glob("*.py")
+    named = sorted(one.stem for one in files if "check_command_line(args" in one.read_text())
+    named += ["teleop", "steering", "image_view", "kinect_viewer"]
+    commands = [["run", name, "--help"] for name in dict.fromkeys(named) if name != "__init__"]
+    commands += [["wtf", "--list"], ["wtf", "--explain", "loss"], ["pub", "--help"], ["list"]]
+    source = f"from lcmtools.cli.main import main\nprint([main(words) for words in {commands}])"
+    environment = {**os.environ, "LCM_DEFAULT_URL": bus_url, "PYTHONOPTIMIZE": "2"}
+    command = [sys.executable, "-c", source]
+    ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert ran.stdout.endswith(f"{[0] * len(commands)}\n"), ran.stderr
 
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3])

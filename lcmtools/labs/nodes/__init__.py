@@ -21,7 +21,7 @@ Every node also takes:
     --domain N          the bus on port 7667 + N"""
 
 
-def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
+def check_command_line(args: Sequence[str] | None, help_text: str | None) -> bool:
     """Check the command line of a node without own arguments, before a bus is opened.
 
     Returns:
@@ -36,18 +36,19 @@ def check_command_line(args: Sequence[str] | None, help_text: str) -> bool:
     return unknown is not None
 
 
-def own_arguments(args: Sequence[str] | None, help_text: str) -> list[str] | None:
+def own_arguments(args: Sequence[str] | None, help_text: str | None) -> list[str] | None:
     """Return the node's own arguments; None if ``--help`` was given and printed.
 
     ``args`` is the command line without the program's name, else that of ``sys.argv``;
-    ``help_text`` the node's own help: its purpose, its topics, an example.
+    ``help_text`` the node's own help: its purpose, its topics, an example; None if Python has
+    dropped docstrings (-OO, PYTHONOPTIMIZE=2).
 
     Raises:
         UsageError: An argument for every node is wrong.
     """
     words = sys.argv[1:] if args is None else args
     if "--help" in words or "-h" in words:
-        print(help_text.strip(), _EVERY_NODE_TAKES, sep="\n\n")  # noqa: T201 - a node's own output
+        print((help_text or "").strip(), _EVERY_NODE_TAKES, sep="\n\n")  # noqa: T201 - a node's own output
         return None
     return split_arguments(words)[1]
 

@@ -20,7 +20,7 @@ class NodeParser(argparse.ArgumentParser):
 
 
 def read_command_line(
-    args: Sequence[str] | None, help_text: str, parser: argparse.ArgumentParser
+    args: Sequence[str] | None, help_text: str | None, parser: argparse.ArgumentParser
 ) -> argparse.Namespace | None:
     """Parse a node's own arguments; None if ``--help`` was given and printed.
 

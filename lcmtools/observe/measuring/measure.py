@@ -37,6 +37,7 @@ from lcmtools.observe.reading.selection import (
 )
 from lcmtools.wire.packet import Packet
 
+_JUMP = 0.1  # [s] that the clock is set by at once; corrections in use are smaller
 _REPORT_PERIOD = 1.0  # [s]
 _MOST_SIZES = 1000  # sizes of messages that are remembered
 _LONGEST = 0.5  # [s] at most between two compared samples of counters
@@ -180,6 +181,7 @@ class Measurement(Generic[ItemT, FoundT]):
         self._now = 0
         self._last_time: int | None = None  # [ns] of a log's latest arrival
         self._goes_back = False
+        self._clock = _clock()
         monitor.discover()
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
@@ -228,6 +230,8 @@ class Measurement(Generic[ItemT, FoundT]):
             give_up = last + timeout if is_live and timeout is not None else math.inf
             wait = min(due, give_up) - time.monotonic()
             batch = self._stream.receive(min(_REPORT_PERIOD, max(0.0, wait)))
+            if self._has_jumped():
+                batch = batch._replace(arrivals=[], is_reset=True)
             if batch.is_reset:
                 yield MeasurementReport({}, is_reset=True)
             counted, now = self._feed(batch), time.monotonic()
@@ -244,6 +248,14 @@ class Measurement(Generic[ItemT, FoundT]):
                 due += _REPORT_PERIOD
                 if PATIENCE <= now - start < PATIENCE + _REPORT_PERIOD:
                     self._notify_silent()
+
+    def _has_jumped(self) -> bool:
+        """Return whether the computer's clock, by which messages are timed, was set meanwhile."""
+        if not self._monitor.is_live or self.is_simulated:
+            return False
+        before, self._clock = self._clock, _clock()
+        (least, most), (was_least, was_most) = self._clock, before
+        return max(least - was_most, was_least - most) > _JUMP
 
     def _report(self) -> MeasurementReport[FoundT]:
         return MeasurementReport(
@@ -323,6 +335,12 @@ class Measurement(Generic[ItemT, FoundT]):
             self._notify("the times of the log go back; lcmtools bag sort sorts them")
         for topic in self._silent:
             self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
+
+
+def _clock() -> tuple[float, float]:
+    """Return the bounds of the difference between the computer's clock and a monotonic one [s]."""
+    before, now, after = time.monotonic(), time.time(), time.monotonic()
+    return now - after, now - before
 
 
 def lossy_senders(

@@ -4,7 +4,7 @@ The events are laid out by hand from the format's description; what is expected 
 they end.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
@@ -28,7 +28,11 @@ EVENTS = [
 ]
 WHOLE = b"".join(EVENTS)
 EVENT = len(EVENTS[0])
-CUTS = range(EVENT, len(WHOLE))
+EVERY_CUT = range(EVENT, len(WHOLE))
+NEAR_AN_END = [
+    n * EVENT + by for n in (1, 2) for by in (0, 1, 4, HEAD_BYTES, EVENT // 2, EVENT - 1)
+]
+"""Cuts for what takes long: a file's end on, after and before an event's, and in its parts."""
 
 
 def whole_events(cut: int) -> int:
@@ -71,12 +75,18 @@ def by_export(cli: Cli, path: Path) -> int:
     return Path(f"{path}.jsonl").read_text().count("\n")
 
 
-@pytest.mark.parametrize("read", [by_python, by_info, by_fix, by_play, by_echo, by_export])
+@pytest.mark.parametrize(
+    ("read", "cuts"),
+    [
+        (by_python, EVERY_CUT),
+        *((read, NEAR_AN_END) for read in (by_info, by_fix, by_play, by_echo, by_export)),
+    ],
+)
 def test_a_log_cut_off_at_any_byte_has_its_whole_events(
-    read: Callable[[Cli, Path], int], cli: Cli, tmp_path: Path
+    read: Callable[[Cli, Path], int], cuts: Iterable[int], cli: Cli, tmp_path: Path
 ) -> None:
     path = tmp_path / "cut.lcmlog"
-    for cut in CUTS:
+    for cut in cuts:
         path.write_bytes(WHOLE[:cut])
         assert read(cli, path) == whole_events(cut), cut
 

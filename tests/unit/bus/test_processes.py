@@ -10,7 +10,13 @@ import pytest
 
 from lcmtools.bus import processes
 from lcmtools.bus.kernel import joined_interfaces, receive_buffers
-from lcmtools.bus.processes import UdpSocket, is_stopped, process_of
+from lcmtools.bus.processes import (
+    UdpSocket,
+    innermost_pid,
+    is_stopped,
+    process_of,
+    usage_of,
+)
 
 
 def test_a_row_of_the_socket_table_is_read() -> None:
@@ -52,10 +58,11 @@ def test_this_process_is_found_by_its_pid() -> None:
     assert own.start_ticks > 0
 
 
-def test_a_process_with_a_strange_name_is_read() -> None:
-    name = "a) b (c"
+@pytest.mark.parametrize("name", [b"a) b (c", "fünfzehn Zeichn€".encode()[:15], b"\xff"])
+def test_a_process_with_a_strange_name_is_read(name: bytes) -> None:
+    """The kernel cuts a name after 15 bytes, also within a character."""
     source = (
-        f"import sys; open('/proc/self/comm', 'w').write({name!r}); print(flush=True);"
+        f"import sys; open('/proc/self/comm', 'wb').write({name!r}); print(flush=True);"
         " sys.stdin.read()"
     )
     command = [sys.executable, "-c", source]
@@ -67,6 +74,9 @@ def test_a_process_with_a_strange_name_is_read() -> None:
         own = process_of(os.getpid())
         assert own is not None
         assert found.start_ticks >= own.start_ticks
+        assert innermost_pid(child.pid)[1] == child.pid
+        usage = usage_of(child.pid)
+        assert usage is not None
 
 
 def test_nothing_runs_under_an_impossible_pid() -> None:

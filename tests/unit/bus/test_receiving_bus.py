@@ -171,3 +171,54 @@ def test_a_signal_handler_may_close_the_bus_while_it_receives(
     bus.send(1)
     bus.wait(never, _LONG)
     assert bus.ends == []
+
+
+def _fails(_payload: bytes, _time: int) -> None:
+    raise BrokenPipeError(32, "Broken pipe")
+
+
+@pytest.mark.parametrize("waits", [True, False])
+def test_an_exception_of_a_handler_costs_it_one_message_and_is_reported_once(
+    bus: PipeBus, never: WakeupEvent, wait_until: Callable[..., None], *, waits: bool
+) -> None:
+    reports: list[str] = []
+    handled: list[int] = []
+    bus.on_outage = reports.append
+    bus._handlers[b"a"] = (_fails, lambda _payload, _time: handled.append(1))
+    for _ in range(3):
+        bus.send(2)
+        if waits:
+            bus.wait(never, 0.1)
+    wait_until(lambda: len(handled) == 6)
+    assert reports == ["receiving from a failed: BrokenPipeError: [Errno 32] Broken pipe"]
+
+
+def test_a_report_may_fail_too(bus: PipeBus, wait_until: Callable[..., None]) -> None:
+    def report(_text: str) -> None:
+        raise ValueError("I/O operation on closed file")
+
+    bus.on_outage = report
+    bus._handlers[b"a"] = (_fails, *bus._handlers[b"a"])
+    bus.send(1)
+    wait_until(lambda: bus.threads)
+    bus.send(1)
+    wait_until(lambda: len(bus.threads) == 2)
+    assert bus._thread.is_alive()
+
+
+def test_its_own_thread_outlives_a_fault_of_the_system(
+    bus: PipeBus, wait_until: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reports: list[str] = []
+    bus.on_outage = reports.append
+    receive, faults = bus._receive, [OSError(12, "Cannot allocate memory"), MemoryError()]
+
+    def once(most: int) -> int:
+        if faults:
+            raise faults.pop()
+        return receive(most)
+
+    monkeypatch.setattr(bus, "_receive", once)
+    bus.send(1)
+    wait_until(lambda: bus.threads)
+    assert len(reports) == 2

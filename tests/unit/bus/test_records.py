@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -172,12 +173,47 @@ def test_a_folder_that_is_a_link_is_not_believed(tmp_path: Path) -> None:
     assert list(records.read()) == []
 
 
-def test_a_computer_that_takes_no_records_goes_without(tmp_path: Path) -> None:
-    (tmp_path / "lcmtools").write_text("in the way")
-    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
-    records.write(_node())
+def _foreign(folder: Path) -> None:
+    folder.mkdir()
+    os.chown(folder, 12345, 12345)
+
+
+def _full(folder: Path) -> None:
+    folder.mkdir()
+    (folder / "lcmtools").write_text("in the way")
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        pytest.param(_foreign, marks=pytest.mark.skipif(os.getuid() != 0, reason="needs root")),
+        _full,
+        lambda folder: folder.symlink_to(folder),
+        lambda folder: folder.write_text("no folder"),
+        Path.exists,
+    ],
+    ids=["another user's", "in the way", "unreadable", "a file", "missing"],
+)
+def test_a_runtime_folder_that_takes_no_records_leaves_them_to_the_second_one(
+    tmp_path: Path, make: Callable[[Path], object]
+) -> None:
+    make(tmp_path / "run")
+    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path / "run")})
+    assert records.write(_node())
+    assert [node.name for node in records.read()] == ["/a"]
     records.remove("abc")
     assert list(records.read()) == []
+    assert not list(tmp_path.glob("run/lcmtools/*"))
+
+
+def test_records_that_no_folder_takes_are_missed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.getuid", lambda: 54321)  # whose folder nothing here can be
+    records = NodeRecords(_URL, {"XDG_RUNTIME_DIR": str(tmp_path)})
+    assert not records.write(_node())
+    assert list(records.read()) == []
+    shutil.rmtree("/tmp/lcmtools-54321")  # noqa: S108
 
 
 def test_names_that_are_not_utf8_are_recorded(records: NodeRecords) -> None:

@@ -301,3 +301,23 @@ def test_who_is_called_knows_before_what_this_program_listens_to(
     assert channels == [NODE_CHANNEL, "/sim/step/_request", "/sim/step/_request"]
     (announced,) = _announced(bus)
     assert "/odometry" in [endpoint.topic for endpoint in announced.node.endpoints]
+
+
+def test_a_fault_of_one_announcement_is_reported_and_the_next_is_made(
+    bus: FakeBus, wait_until: WaitUntil
+) -> None:
+    reports: list[str] = []
+    bus.on_outage = reports.append
+    node, faults = model.Node("/a", "1", "here", 1), [OSError(28, "No space left on device")]
+
+    def describe() -> list[model.Node]:
+        if faults:
+            raise faults.pop()
+        return [node]
+
+    announcer = Announcer(bus, describe)
+    wait_until(lambda: reports)
+    announcer.announce_soon()
+    wait_until(lambda: _announced(bus))
+    announcer.close()
+    assert reports == ["announcing failed: OSError: [Errno 28] No space left on device"]

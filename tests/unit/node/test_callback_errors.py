@@ -180,6 +180,20 @@ def test_the_first_error_is_announced_at_once(
     wait_until(announced)
 
 
+def test_a_field_that_is_set_and_does_not_exist_is_explained(begin: Begin, bus: FakeBus) -> None:
+    begin()
+    node = Node("a")
+
+    def answer(message: String) -> None:
+        message.dta = "x"  # type: ignore[attr-defined] # as said
+
+    node.create_subscription(String, "chatter", answer)
+    bus.publish("/chatter", encode(String()))
+    lcmtools.spin_once(node)
+    (error,) = _errors(node)
+    assert error.message == "String has no field 'dta' (fields: data); did you mean 'data'?"
+
+
 def test_no_text_of_an_exception_keeps_a_node_from_being_announced(
     begin: Begin, bus: FakeBus
 ) -> None:

@@ -157,3 +157,9 @@ def test_a_misspelt_parameter_is_a_warning_when_the_node_spins(
     log = capsys.readouterr().err
     assert log.count("\n") == 1
     assert_says(log, "no parameter 'gian'", "did you mean gain?")
+
+
+def test_a_log_whose_stream_was_closed_raises_nothing(desk: _Desk) -> None:
+    desk.stream.close()
+    desk.logger.info("hello")
+    assert [entry.msg for entry in desk.entries] == ["hello"]

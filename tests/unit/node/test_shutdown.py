@@ -68,3 +68,44 @@ def test_what_is_no_request_is_passed_over(begin: Begin, bus: FakeBus, payload: 
     Node("driver")
     bus.publish(SHUTDOWN_CHANNEL, payload)
     assert context.ok()
+
+
+@pytest.mark.parametrize(
+    "error", [BrokenPipeError(), ValueError("closed file"), OSError(28, "full")]
+)
+def test_it_ends_although_its_log_fails(
+    begin: Begin, bus: FakeBus, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    context = begin()
+    node = Node("driver")
+
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(node.get_logger(), "warning", fail)
+    _ask(bus, node.describe().id)
+    assert not context.ok()
+
+
+def test_it_ends_although_it_cannot_answer(
+    begin: Begin, bus: FakeBus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    context = begin()
+    node = Node("driver")
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(context.announcer, "answer", fail)
+    with pytest.raises(OSError, match="No space"):  # which a real bus reports
+        _ask(bus, node.describe().id)
+    assert not context.ok()
+
+
+def test_it_ends_before_it_logs(begin: Begin, bus: FakeBus) -> None:
+    context = begin()
+    node = Node("driver")
+    logged: list[bool] = []
+    node.get_logger().warning = lambda *_: logged.append(context.ok())  # type: ignore[method-assign]
+    _ask(bus, node.describe().id)
+    assert logged == [False]

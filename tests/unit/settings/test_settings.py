@@ -110,6 +110,23 @@ def test_what_is_no_text_is_refused(write: Write) -> None:
         read_user_file(environment)
 
 
+@pytest.mark.parametrize("error", [PermissionError(13, "Permission denied"), OSError(40, "a loop")])
+def test_a_home_that_cannot_be_read_is_named_and_has_no_settings(
+    error: OSError, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    environment = write("domain: 3\n")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(Path, "stat", refuse)
+    found = read_user_file(environment)
+    path = user_path(environment)
+    assert path is not None
+    assert not found.values
+    assert found.problem == f"cannot look into {path.parent}: {error.strerror}"
+
+
 def test_a_change_of_the_file_is_seen(write: Write) -> None:
     assert read_user_file(write("domain: 3\n")).values == {"domain": "3"}
     assert read_user_file(write("domain: 14\n")).values == {"domain": "14"}

@@ -95,10 +95,10 @@ class TwistDriver(Driver):
         self._publisher.publish(twist)
 
 
-def keys_help(help_text: str, keys: str) -> str:
+def keys_help(help_text: str | None, keys: str) -> str:
     """Return a node's help with the meaning of its keys in it."""
     keys = textwrap.indent(f"{keys}\n\n{_PIPE_HELP}", "    ")
-    return f"{help_text.strip()}\n\nKeys:\n{keys}"
+    return f"{(help_text or '').strip()}\n\nKeys:\n{keys}"
 
 
 def drive(driver: Driver) -> None:
@@ -121,7 +121,7 @@ def drive(driver: Driver) -> None:
 def _follow(keyboard: Keyboard, driver: Driver) -> None:
     if is_terminal(sys.stdin):
         write_screen(f"{driver.key_help}\n\n", sys.stderr)
-    driver.warn_of_unknown_parameters()
+    driver.warn_of_unused_arguments()
     lcmtools.spin_once(driver, 0.0)  # a node's first lines of log come before the status line
     if is_terminal(sys.stdin):
         driver.show_status()

@@ -48,14 +48,14 @@ def viewer_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def open_viewer(args: Sequence[str] | None, help_text: str) -> "Viewer | None":
+def open_viewer(args: Sequence[str] | None, help_text: str | None) -> "Viewer | None":
     """Return a viewer for a node's command line; None if ``--help`` was given and printed.
 
     Raises:
         UsageError: Arguments are wrong or exclude each other.
         MissingExtra: A package for the display is not installed.
     """
-    help_text = f"{help_text.strip()}\n\n{_OPTIONS_HELP}"
+    help_text = f"{(help_text or '').strip()}\n\n{_OPTIONS_HELP}"
     options = read_command_line(args, help_text, viewer_parser())
     return Viewer(options) if options else None
 
@@ -97,7 +97,7 @@ class Viewer:
         self._last_time = time.monotonic()
         if self._is_single:
             node.context.note = ""  # the picture is all that is wanted
-        node.warn_of_unknown_parameters()
+        node.warn_of_unused_arguments()
         with ended_by_signals(node):
             try:
                 self._display.open(node, topic)

@@ -1,0 +1,286 @@
+"""A system that refuses what it is asked for: nodes and observers receive all the same."""
+
+import os
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from lcmtools.bus import datagram_batch, kernel, multicast
+from lcmtools.bus.kernel import IS_LINUX
+from lcmtools.bus.multicast import sending_socket
+from lcmtools.bus.network_watch import join
+from lcmtools.bus.tap import Tap
+from lcmtools.bus.udp_bus import UdpBus
+from lcmtools.bus.url import parse_url
+from lcmtools.bus.wakeup import WakeupEvent
+from lcmtools.errors import BusError
+from lcmtools.wire.datagram import fragments, short_message
+
+WaitUntil = Callable[..., None]
+_URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
+_GROUP = _URL.host, _URL.port
+_MEMORY = "/proc/sys/net/core/optmem_max"
+_NAMES: dict[str, Callable[[int], str]] = {
+    "short": lambda number: f"/husky/topic_{number:02}",
+    "long": lambda number: f"/robot{number:04}/sensors/camera/front/color/image",
+}
+
+pytestmark = [
+    pytest.mark.usefixtures("private_network"),
+    pytest.mark.skipif(not IS_LINUX, reason="the requests are Linux's"),
+]
+
+
+@pytest.fixture
+def filter_memory() -> Callable[[int], None]:
+    """``filter_memory(4096)``: limits what filters of a socket may take, in this network only."""
+
+    def limit(size: int) -> None:
+        try:
+            Path(_MEMORY).write_text(str(size))
+        except OSError:
+            pytest.skip("this kernel has one limit for all networks")
+
+    return limit
+
+
+@pytest.fixture
+def send() -> Iterator[Callable[[bytes], object]]:
+    """Sends a datagram to the bus."""
+    with sending_socket(_URL) as sender:
+        yield lambda datagram: sender.sendto(datagram, _GROUP)
+
+
+@pytest.mark.parametrize("memory", [64, 512, 4_096, 20_480, 131_072])
+@pytest.mark.parametrize("names", _NAMES)
+@pytest.mark.parametrize("count", [8, 10, 45, 120, 1000])
+def test_every_subscription_is_heard_whatever_filters_the_kernel_has_memory_for(
+    filter_memory: Callable[[int], None],
+    send: Callable[[bytes], object],
+    wait_until: WaitUntil,
+    count: int,
+    names: str,
+    memory: int,
+) -> None:
+    filter_memory(memory)
+    heard: list[str] = []
+    channels = [_NAMES[names](number) for number in range(count)]
+    with closing(UdpBus(_URL)) as bus:
+        for channel in channels:
+            bus.subscribe(channel, lambda _payload, _time, channel=channel: heard.append(channel))
+        for number, channel in enumerate(channels):
+            send(short_message(number, channel, b"x"))
+            if number % 50 == 49:
+                wait_until(lambda number=number: len(heard) > number)
+        wait_until(lambda: len(heard) == count)
+    assert heard == channels
+
+
+@pytest.mark.parametrize("memory", [64, 512, 1_024, 4_096, 20_480])
+def test_images_come_once_where_filters_for_several_sockets_are_refused(
+    filter_memory: Callable[[int], None],
+    send: Callable[[bytes], object],
+    wait_until: WaitUntil,
+    monkeypatch: pytest.MonkeyPatch,
+    memory: int,
+) -> None:
+    monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
+    filter_memory(memory)
+    heard: list[int] = []
+    with closing(UdpBus(_URL)) as bus, Tap(_URL, whole=True, spread=True) as tap:
+        for number in range(8):
+            name = _NAMES["long"](number)
+            bus.subscribe(name, lambda payload, _: heard.append(len(payload)), is_large=True)
+        for part in fragments(1, _NAMES["long"](7), bytes(300_000)):
+            send(part)
+            time.sleep(0.002)  # one socket's stock buffer holds three
+        send(short_message(2, _NAMES["long"](0), b"end"))
+        wait_until(lambda: len(heard) >= 2)
+        seen: list[int] = []
+        wait_until(lambda: seen.extend(len(p.payload) for p in tap.receive(0.1)) or 3 in seen)
+    assert heard == [300_000, 3]
+    assert [size for size in seen if size in heard] == heard
+
+
+def test_an_observer_whose_filter_is_refused_knows_it_and_counts_what_it_loses(
+    send: Callable[[bytes], object], filter_memory: Callable[[int], None]
+) -> None:
+    filter_memory(200)
+    with Tap(_URL) as tap:
+        assert tap.drops() == 0
+        for part in fragments(0, "BIG", bytes(300_000)):
+            send(part)
+        for number in range(1, 3000):
+            send(short_message(number, "A", bytes(8000)))
+        found = []
+        while packets := tap.receive(0.1):
+            found += [one for one in packets if one.channel != "LCM_SELF_TEST"]
+        assert tap.drops() == tap.overflows() == 3000 - len(found) > 0
+    big = found[0]
+    assert (big.channel, big.whole_bytes, len(big.payload)) == ("BIG", 300_000, 1024)
+
+
+_OPTIONS = {
+    "filter": (socket.SOL_SOCKET, 26),
+    "removing a filter": (socket.SOL_SOCKET, 27),
+    "shared port": (socket.SOL_SOCKET, socket.SO_REUSEADDR),
+    "larger buffer": (socket.SOL_SOCKET, socket.SO_RCVBUF),
+    "receive times": (socket.SOL_SOCKET, 35),
+    "times to live": (socket.IPPROTO_IP, 12),
+    "timeout": (socket.SOL_SOCKET, 20),
+    "mark": (socket.IPPROTO_IP, socket.IP_TOS),
+    "looping back": (socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP),
+}
+
+
+def _refuse(monkeypatch: pytest.MonkeyPatch, *options: tuple[int, int]) -> None:
+    def setsockopt(self: socket.socket, level: int, option: int, *value: object) -> None:
+        if (level, option) in options:
+            raise PermissionError(1, os.strerror(1))
+        accept(self, level, option, *value)
+
+    accept = socket.socket.setsockopt
+    monkeypatch.setattr(socket.socket, "setsockopt", setsockopt, raising=False)
+
+
+def _refuse_all(monkeypatch: pytest.MonkeyPatch, module: object, name: str) -> None:
+    def refused(*_: object) -> None:
+        raise OSError(38, os.strerror(38))
+
+    monkeypatch.setattr(module, name, refused)
+
+
+_CALLS = {
+    "recvmmsg": (datagram_batch.DatagramBatch, "_receive"),
+    "memory for recvmmsg": (datagram_batch.mmap, "mmap"),
+    "eventfd": (os, "eventfd"),
+}
+
+
+@pytest.mark.parametrize("what", [*_OPTIONS, *_CALLS])
+def test_what_is_refused_costs_no_message(
+    monkeypatch: pytest.MonkeyPatch, wait_until: WaitUntil, what: str
+) -> None:
+    if what in _OPTIONS:
+        _refuse(monkeypatch, _OPTIONS[what])
+    else:
+        _refuse_all(monkeypatch, *_CALLS[what])
+    image, heard, seen = bytes(1_000_000), list[int](), list[int]()
+    never = WakeupEvent()
+    with ExitStack() as stack:
+        if what == "shared port":  # nobody else can be there
+            bus = stack.enter_context(closing(UdpBus(_URL)))
+        else:
+            tap = stack.enter_context(Tap(_URL, whole=True, spread=True))
+            bus = stack.enter_context(closing(UdpBus(_URL)))
+        bus.subscribe("A", lambda payload, _: heard.append(len(payload)), is_large=True)
+        for number in range(300):
+            bus.publish("A", bytes(number))
+            bus.wait(never, 0.001)
+            seen += [] if what == "shared port" else _sizes(tap)
+        bus.publish("A", image)
+        wait_until(lambda: len(heard) == 301)
+        if what != "shared port":
+            wait_until(lambda: seen.extend(_sizes(tap)) or len(seen) == 301)
+            assert seen == heard
+    never.close()
+    assert heard == [*range(300), len(image)]
+
+
+def _sizes(tap: Tap) -> list[int]:
+    return [len(one.payload) for one in tap.receive(0.0) if one.channel == "A"]
+
+
+def test_more_sockets_that_are_refused_leave_one(
+    monkeypatch: pytest.MonkeyPatch, wait_until: WaitUntil
+) -> None:
+    made = 0
+
+    def few(*arguments: object) -> socket.socket:
+        nonlocal made
+        made += 1
+        if made > 2:
+            raise BusError("cannot use it: Too many open files")
+        return receiving(*arguments)
+
+    from lcmtools.bus import group_receiver
+
+    receiving: Callable[..., socket.socket] = multicast.receiving_socket
+    monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
+    monkeypatch.setattr(group_receiver, "receiving_socket", few)
+    heard: list[bytes] = []
+    with closing(UdpBus(_URL)) as bus:
+        bus.subscribe("A", lambda payload, _: heard.append(payload), is_large=True)
+        bus.publish("A", bytes(100_000))
+        wait_until(lambda: heard)
+
+
+def test_without_a_time_to_live_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would be sent to other computers."""
+    _refuse(monkeypatch, (socket.IPPROTO_IP, socket.IP_MULTICAST_TTL))
+    with pytest.raises(BusError, match="does not limit datagrams to 0 hops"):
+        UdpBus(_URL)
+
+
+@pytest.mark.parametrize("memberships", [0, 1, 2])
+def test_few_memberships_are_enough_or_are_named(memberships: int, wait_until: WaitUntil) -> None:
+    Path("/proc/sys/net/ipv4/igmp_max_memberships").write_text(str(memberships))
+    if memberships == 0:
+        with pytest.raises(BusError, match=r"permits no membership of .*igmp_max_memberships"):
+            UdpBus(_URL)
+        return
+    heard: list[bytes] = []
+    with closing(UdpBus(_URL)) as bus:
+        bus.subscribe("A", lambda payload, _: heard.append(payload))
+        bus.publish("A", b"x")
+        wait_until(lambda: heard)
+
+
+def test_a_socket_whose_memberships_are_used_up_follows_the_route(
+    ip: Callable[..., None],
+) -> None:
+    Path("/proc/sys/net/ipv4/igmp_max_memberships").write_text("1")
+    ip("link", "add", "other", "type", "veth", "peer", "name", "end")
+    ip("addr", "add", "10.9.9.1/24", "dev", "other")
+    ip("link", "set", "other", "up", "multicast", "on")
+    with multicast.receiving_socket(_URL, is_brief=True) as receiver:
+        assert not join(receiver, _URL.host)
+        ip("route", "replace", "224.0.0.0/4", "dev", "other")
+        assert join(receiver, _URL.host)
+        rows = Path("/proc/net/igmp").read_text().split("\n")
+        group = f"{int.from_bytes(socket.inet_aton(_URL.host)[::-1], 'big'):08X}"
+        devices = [row.split()[1] for row in rows if row[:1].isdigit()]
+        of_group = [n for n, row in enumerate(rows) if group in row]
+    assert devices
+    assert len(of_group) == 1
+
+
+def test_threads_that_are_refused_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_self: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    with pytest.raises(BusError, match="no more threads; end others; see ulimit -u and -v"):
+        UdpBus(_URL)
+
+
+def test_a_default_timeout_of_the_program_changes_nothing(wait_until: WaitUntil) -> None:
+    socket.setdefaulttimeout(0.001)
+    try:
+        heard: list[bytes] = []
+        with closing(UdpBus(_URL)) as bus, Tap(_URL) as tap:
+            assert {one.gettimeout() for one in (*bus._sockets.all, *tap._sockets.all)} == {None}
+            bus.subscribe("A", lambda payload, _: heard.append(payload))
+            bus.publish("A", bytes(1_000_000))
+            wait_until(lambda: heard)
+            reader, writer = socket.socketpair()
+            reader.settimeout(None)
+            with reader, writer, kernel.duplicate(reader.fileno()):
+                assert os.get_blocking(reader.fileno())
+    finally:
+        socket.setdefaulttimeout(None)
