@@ -39,6 +39,7 @@ from lcmtools.wire.packet import Packet
     "bag export ride.lcmlog odometry.csv -t /husky0/odometry",
     "bag export ride.lcmlog scans.npz -t '/*/scan' -s 10s -e end-1m",
     "bag export ride.lcmlog ride_bag --format ros2",
+    "bag export ride.lcmlog pictures --format png -t /camera/image",
 )
 @places
 @option(
@@ -72,8 +73,9 @@ def export_(
 
     OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
     (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
-    csv, parquet or ros2 and no suffix, OUT is a folder. Hidden topics are left out, unless -t names
-    them. The exit code is 1 if messages cannot be written, 2 if none can.
+    csv, parquet or ros2 and no suffix, OUT is a folder; png and jpeg write each image to a file in
+    it. Hidden topics are left out, unless -t names them. The exit code is 1 if messages cannot be
+    written, 2 if none can.
     """
     meant = format_of(Path(target), format_)
     with stamps.by_stamp([source], wanted=by_stamp) as (path,), LogFile(path) as log:
