@@ -410,6 +410,6 @@ def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(
     files = Path(os.environ["XDG_RUNTIME_DIR"]).glob("lcmtools/records/*/*.json")
     records = {record["name"]: record for record in map(json.loads, map(Path.read_text, files))}
     ours, python = records[NAME], records[talk.node.name]
-    assert list(ours) == list(python)
+    assert sorted(ours) == sorted(python)
     for key in ("network", "network_cookie", "pid_namespace"):
         assert ours[key] == python[key]
