@@ -30,6 +30,7 @@ from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
+from lcmtools.observe.actuators import unattended_commands
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SocketTable, is_gone, is_here, user_name
 from lcmtools.observe.simulators import publishes_time
@@ -80,6 +81,8 @@ def _observe(
 ) -> Evidence:
     baseline, observed = _Baseline.now(monitor), 0.0
     evidence = replace(evidence, before=baseline.graph)
+    if driven := [odometry for _, _, odometry in unattended_commands(baseline.graph)]:
+        monitor.listen_to(driven)  # a simulator publishes no odometry that nobody wants
     if wanted is None:
         observed = brief.BRIEF
         # the rest of the time is for the answers of the nodes, with their counters

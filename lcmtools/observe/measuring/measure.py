@@ -49,6 +49,30 @@ FoundT = TypeVar("FoundT")
 Notify = Callable[[str], None]
 
 
+class TimeReader:
+    """Reads times; if a message of equal type and size has been decoded, only that."""
+
+    def __init__(self, decoder: Decoder) -> None:
+        self._decoder = decoder
+        self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
+
+    def read(self, packet: Packet) -> MessageTime | None:
+        """Return the time of a message; None if its type has none.
+
+        Raises:
+            DecodeError: Its type is unknown, or it is malformed.
+        """
+        payload = packet.payload
+        key = packet.channel, payload[:8], len(payload)
+        if read := self._readers.get(key):
+            stamped = join_stamp(*read(payload))
+            return MessageTime("header.stamp", stamped, stamped)
+        message = self._decoder.decode(packet)
+        if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
+            self._readers[key] = reader
+        return message_time(message)
+
+
 class Delays:
     """The delays of messages: from the times in them, such as their headers' stamps, to arrival.
 
@@ -60,7 +84,7 @@ class Delays:
         self._decoder = decoder
         self._notify = notify
         self._told: set[str] = set()
-        self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
+        self._reader = TimeReader(decoder)
 
     def __call__(self, arrival: SelectedPacket) -> int | None:
         """Return the delay of a message [ns]; None if its stamp is not a time.
@@ -69,6 +93,11 @@ class Delays:
             LcmtoolsError: Its type is unknown or has no header.
             DecodeError: It is malformed.
         """
+        time = self.time(arrival)
+        return None if time is None else arrival.time - time
+
+    def time(self, arrival: SelectedPacket) -> int | None:
+        """Return the time in a message [ns since 1970], as for its delay."""
         found, topic = self._time(arrival.packet), arrival.topic
         if not found.time:
             name = found.field.rpartition(".")[2]
@@ -77,7 +106,7 @@ class Delays:
             return None
         if str(found) != found.field:
             self._tell_once(topic, f"the delay of {topic} is measured by its {found}")
-        return arrival.time - found.time
+        return found.time
 
     def _tell_once(self, about: str, sentence: str) -> None:
         if about not in self._told:
@@ -85,28 +114,20 @@ class Delays:
             self._notify(sentence)
 
     def _time(self, packet: Packet) -> MessageTime:
-        """Read the time; if a message of equal type and size has been decoded, read only that."""
-        payload = packet.payload
-        key = packet.channel, payload[:8], len(payload)
-        if read := self._readers.get(key):
-            stamped = join_stamp(*read(payload))
-            return MessageTime("header.stamp", stamped, stamped)
         try:
-            message = self._decoder.decode(packet)
+            found = self._reader.read(packet)
         except UnknownFingerprint as error:
             raise LcmtoolsError(
                 f"the type of the messages on {packet.channel} is not known: {error.what}",
                 f"lcmtools echo {packet.channel} shows their bytes",
             ) from None
-        found = message_time(message)
         if found is None:
             what = "has no header with a stamp, and no utime, timestamp or the like"
+            name = type_name(self._decoder.message_class(packet))
             raise LcmtoolsError(
-                f"{type_name(message)}, published on {packet.channel}, {what}",
+                f"{name}, published on {packet.channel}, {what}",
                 "lcmtools msg find-field header lists the types that have one",
             )
-        if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
-            self._readers[key] = reader
         return found
 
 
