@@ -37,6 +37,8 @@ from lcmtools.wire.datagram import MESSAGE_MAX
 
 RETRY_PERIOD = 0.25
 """A request is sent again after this many seconds without an answer."""
+_LONGEST_PATIENCE = 4.0
+"""A request of ``call_async`` is sent again more and more seldom, at last after so many seconds."""
 _MAX_WAITING_REQUESTS = 100
 _ENVELOPE_BYTES = 1000  # more than a reply has in addition to its payload
 
@@ -163,7 +165,8 @@ class _UnderWay(Generic[ResponseT]):
 
     future: Future[ResponseT]
     payload: bytes
-    sent: float  # [s]
+    due: float  # [s] to be sent again
+    patience: float  # [s] that passed before
 
 
 class Client(Generic[RequestT, ResponseT]):
@@ -238,7 +241,9 @@ class Client(Generic[RequestT, ResponseT]):
         sequence, payload = self._numbered(request)
         future: Future[ResponseT] = Future()
         with self._changed:
-            self._under_way[sequence] = _UnderWay(future, payload, time.monotonic())
+            patience = _patience(payload)
+            due = time.monotonic() + patience
+            self._under_way[sequence] = _UnderWay(future, payload, due, patience)
             if self._repeater is None:
                 self._repeater = threading.Thread(target=self._repeat, daemon=True)
                 self._repeater.start()
@@ -321,9 +326,10 @@ class Client(Generic[RequestT, ResponseT]):
                 if not calls or self.is_destroyed or self.is_interrupted():
                     self._repeater = None
                     return
-                due = [one for one in calls.values() if now - one.sent >= _patience(one.payload)]
+                due = [one for one in calls.values() if now >= one.due]
             for one in due:
-                one.sent = now
+                one.patience = min(2 * one.patience, _LONGEST_PATIENCE)
+                one.due = now + one.patience
                 with contextlib.suppress(BusError):  # lost, as any message may be
                     self._bus.publish(request_channel(self.name), one.payload)
 
