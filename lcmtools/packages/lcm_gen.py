@@ -14,8 +14,8 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
-from lcmtools.packages.comments import without_comments
 from lcmtools.packages.cpp_enums import enum_header
+from lcmtools.packages.lcm_parser import without_comments
 from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
@@ -154,7 +154,7 @@ def _keyword(file: Path, lcm: Path, language: str) -> Problem | None:
     """Return the first keyword of a language among the names in a file, whose text is ``lcm``."""
     name, words = _KEYWORDS[language]
     pattern = re.compile(rf"\b({'|'.join(words)})\b")
-    text = without_comments(lcm.read_bytes()).decode("utf-8", "replace")
+    text = without_comments(lcm.read_bytes().decode("utf-8", "replace"))
     if not (found := pattern.search(text)):
         return None
     line = text.count("\n", 0, found.start()) + 1
