@@ -98,7 +98,9 @@ class UserTypes:
         for files, source in self._recorded.items():
             if source is None:
                 found = self._compiled(files)
-                versions = [TypeSource(one.prefix, one.fingerprints) for one in found.versions]
+                versions = {
+                    name: dict.fromkeys(others, "") for name, others in found.versions.items()
+                }
                 self._recorded[files] = TypeSource(
                     found.prefix, found.fingerprints, versions=versions
                 )
