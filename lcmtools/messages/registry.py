@@ -112,7 +112,7 @@ class Registry:
         """Return a service's pair of messages; UnknownType unless exactly one has the name."""
         found = self.service_name(name)
         source = next(one for some in self._tiers() for one in some if found in one.services)
-        return cast("type[ServiceType]", _load(source.prefix, found))
+        return cast("type[ServiceType]", _load(source.module, found))
 
     def service_name(self, name: str) -> str:
         """Return a service's full name, "std_srvs/Trigger"; UnknownType unless exactly one fits."""
@@ -134,7 +134,7 @@ class Registry:
     def enum_class(self, name: str) -> type[EnumValue]:
         """Return the class of an enum, one of ``enum_names``."""
         source = next(one for one in self._all() if name in one.enums)
-        return cast("type[EnumValue]", _load(source.prefix, name))
+        return cast("type[EnumValue]", _load(source.module, name))
 
     def candidates(self, fingerprint: int, channel: str = "") -> list[str]:
         """Return the names of the types with this fingerprint (equal fields), likeliest first.
@@ -180,8 +180,8 @@ class Registry:
 
     def problems(self) -> Sequence[Problem]:
         """Return the problems of the user's own .lcm files."""
-        far = self._supply.far() if self._supply else None
-        return far.problems if far else ()
+        installed = self._supply.installed() if self._supply else None
+        return installed.problems if installed else ()
 
     def _type(self, name: str, number: int | None) -> tuple[TypeSource, str, int]:
         """Return the source of a type, its full name and its fingerprint."""
@@ -216,10 +216,10 @@ class Registry:
 
     def _tiers(self) -> Iterator[list[TypeSource]]:
         """Yield the sources that are cheap to search; then more, for names not found in these."""
-        near = self._supply.near() if self._supply else None
-        yield (usual := [*([near] if near else []), *self._fixed])
-        far = self._supply.far() if self._supply else None
-        yield (usual := [*usual, *([far] if far else [])])
+        own = self._supply.workspace() if self._supply else None
+        yield (usual := [*([own] if own else []), *self._fixed])
+        installed = self._supply.installed() if self._supply else None
+        yield (usual := [*usual, *([installed] if installed else [])])
         if recorded := self._supply and self._supply.recorded():
             yield [*usual, *recorded]
 
@@ -314,7 +314,7 @@ def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
 
 def _message_class(source: TypeSource, name: str, number: int) -> type[Message]:
     key = name if source.fingerprints[name] == number else version_name(name, number)
-    return cast("type[Message]", _load(source.prefix, key))
+    return cast("type[Message]", _load(source.module, key))
 
 
 def _load(prefix: str, name: str) -> object:

@@ -55,9 +55,9 @@ class Problem(NamedTuple):
 
 
 class TypeSource(NamedTuple):
-    """A place from which generated classes are imported; its tables are by types' full names."""
+    """A module from which classes are imported; its tables are by types' full names."""
 
-    prefix: str  # the module above the packages, as given to lcm-gen ("lcmtools.types")
+    module: str  # the one above the packages ("lcmtools.types")
     fingerprints: Mapping[str, int]  # of several versions of a type, that of the first
     services: Sequence[str] = ()  # service pairs ("std_srvs/Trigger")
     files: Mapping[str, str] = MappingProxyType({})  # .lcm files, if known

@@ -156,7 +156,7 @@ class TypeModules:
         return path, cast("type", getattr(importlib.import_module(module), short))
 
     def _module(self, path: str) -> str:
-        return f"{self._source.prefix}.{path}".rstrip(".")
+        return f"{self._source.module}.{path}".rstrip(".")
 
 
 def _message_class(

@@ -1,8 +1,8 @@
-"""Users' own types: where they come from, their precedence, and compiling them.
+"""Users' own types: where they come from, and their precedence.
 
-"Near" types are from LCMTOOLS_TYPE_PATH and workspaces, noted ones last: they take precedence over
-the shipped types, because they are under development. "Far" types are from installed packages: they
-come last, and only for types that are otherwise unknown, because finding them takes a moment.
+Those of the workspace, of LCMTOOLS_TYPE_PATH and of noted workspaces take precedence over the
+shipped types, because they are under development. Those of installed packages come last, and only
+for types that are otherwise unknown, because finding them takes a moment.
 """
 
 import time
@@ -48,8 +48,8 @@ from lcmtools.packages.workspace import noted_type_folders, type_folders
 if TYPE_CHECKING:  # most commands do not need logs
     from lcmtools.wire.log_index import RecordedType
 
-_NEAR_AGAIN = 1.0
-_FAR_AGAIN = 10.0
+_WORKSPACE_AGAIN = 1.0
+_INSTALLED_AGAIN = 10.0
 """Seconds after which files are read again, because they may be edited while a command runs."""
 
 
@@ -80,18 +80,18 @@ class UserTypes:
         self._starts = list(starts)
         self._shipped = shipped
         self._clock = clock
-        self._near = _Found()
-        self._far = _Found()
+        self._workspace = _Found()
+        self._installed = _Found()
         self._recorded: dict[tuple[LcmFile, ...], TypeSource | None] = {}  # by log
         self._recorded_names: defaultdict[int, dict[str, None]] = defaultdict(dict)
 
-    def near(self) -> TypeSource | None:
+    def workspace(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of workspaces; None if there are none."""
-        return self._current(self._near, _NEAR_AGAIN, self.near_folders)
+        return self._current(self._workspace, _WORKSPACE_AGAIN, self.workspace_folders)
 
-    def far(self) -> TypeSource | None:
-        """The near types and those of installed packages."""
-        return self._current(self._far, _FAR_AGAIN, self.far_folders)
+    def installed(self) -> TypeSource | None:
+        """The same types and those of installed packages."""
+        return self._current(self._installed, _INSTALLED_AGAIN, self.all_folders)
 
     def recorded(self) -> list[TypeSource]:
         """The types stored with each log; their files do not exist here, so none are named."""
@@ -102,7 +102,7 @@ class UserTypes:
                     name: dict.fromkeys(others, "") for name, others in found.versions.items()
                 }
                 self._recorded[files] = TypeSource(
-                    found.prefix, found.fingerprints, versions=versions
+                    found.module, found.fingerprints, versions=versions
                 )
         return [source for source in self._recorded.values() if source]
 
@@ -118,28 +118,28 @@ class UserTypes:
         return list(self._recorded_names.get(fingerprint, ()))
 
     def compiled_types(self, types: "Iterable[RecordedType]") -> TypeSource:
-        """Compile types from their text."""
+        """Return types by their text."""
         return self._compiled(tuple(dict.fromkeys(map(_recorded_file, types))))
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
-        """Compile the types in these folders, and the types that they may use from others."""
-        return self._read([*folders, *self.far_folders()]) or TypeSource("", {})
+        """Return the types in these folders, and those that they may use from others."""
+        return self._read([*folders, *self.all_folders()]) or TypeSource("", {})
 
-    def near_folders(self) -> list[Path]:
+    def workspace_folders(self) -> list[Path]:
         """The folders that take precedence over the shipped types."""
         around = type_folders(*self._starts)
         noted = noted_type_folders(self._environment)
         return [*variable_folders(self._environment), *around, *noted]
 
-    def far_folders(self) -> list[Path]:
+    def all_folders(self) -> list[Path]:
         """All folders, installed packages last."""
-        return [*self.near_folders(), *installed_folders()]
+        return [*self.workspace_folders(), *installed_folders()]
 
     def declared_packages(self) -> set[str]:
-        """Return the packages that the files declare; compiles none, a file may be wrong."""
+        """Return the packages that the files declare; a file may be wrong."""
         from lcmtools.packages.lcm_parser import declared
 
-        files, _ = read_folders(self.far_folders())
+        files, _ = read_folders(self.all_folders())
         named = {file.package for file in files if file.package}
         texts = (one.content.decode("utf-8", "replace") for one in files if not one.package)
         return named.union(*(declared(text)[1] for text in texts))

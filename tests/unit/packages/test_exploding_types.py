@@ -20,7 +20,7 @@ LARGE = 300_000  # bytes of a file, which may have a million
 
 
 def near(types: UserTypes) -> TypeSource:
-    found = types.near()
+    found = types.workspace()
     assert found is not None
     return found
 
