@@ -32,7 +32,7 @@ from lcmtools.messages.registry import (
     type_names,
 )
 from lcmtools.messages.supply import current_supply, has_supply
-from lcmtools.messages.type_source import TypeSource
+from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
 from lcmtools.packages.type_files import (
@@ -55,10 +55,12 @@ _INSTALLED_AGAIN = 10.0
 
 @dataclass(slots=True)
 class _Found:
-    """The types found by the last search, with its time and start folders."""
+    """The files and types found by the last search, with its time and start folders."""
 
     time: float = float("-inf")
     folders: object = None
+    files: Sequence[LcmFile] = ()
+    problems: Sequence[Problem] = ()
     source: TypeSource | None = None
 
 
@@ -87,11 +89,12 @@ class UserTypes:
 
     def workspace(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of workspaces; None if there are none."""
-        return self._current(self._workspace, _WORKSPACE_AGAIN, self.workspace_folders)
+        return self._current(self._workspace, _WORKSPACE_AGAIN, self.workspace_folders, _Found())
 
     def installed(self) -> TypeSource | None:
         """The same types and those of installed packages."""
-        return self._current(self._installed, _INSTALLED_AGAIN, self.all_folders)
+        self.workspace()
+        return self._current(self._installed, _INSTALLED_AGAIN, installed_folders, self._workspace)
 
     def recorded(self) -> list[TypeSource]:
         """The types stored with each log; their files do not exist here, so none are named."""
@@ -123,7 +126,8 @@ class UserTypes:
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
         """Return the types in these folders, and those that they may use from others."""
-        return self._read([*folders, *self.all_folders()]) or TypeSource("", {})
+        found = self._source(*read_folders([*folders, *self.all_folders()]))
+        return found or TypeSource("", {})
 
     def workspace_folders(self) -> list[Path]:
         """The folders that take precedence over the shipped types."""
@@ -150,15 +154,18 @@ class UserTypes:
             self._starts.append(folder)
 
     def _current(
-        self, found: _Found, seconds: float, folders: Callable[[], Sequence[Path]]
+        self, found: _Found, seconds: float, folders: Callable[[], Sequence[Path]], first: _Found
     ) -> TypeSource | None:
+        """Return the types of ``first`` and of folders, which are searched from time to time."""
         if found.folders != self._starts or self._clock() - found.time >= seconds:
-            found.source = self._read(folders())
+            files, problems = read_folders(folders())
+            found.files = list({file.where: file for file in (*first.files, *files)}.values())
+            found.problems = list(dict.fromkeys((*first.problems, *problems)))
+            found.source = self._source(found.files, found.problems)
             found.time, found.folders = self._clock(), list(self._starts)
         return found.source
 
-    def _read(self, folders: Sequence[Path]) -> TypeSource | None:
-        files, problems = read_folders(folders)
+    def _source(self, files: Sequence[LcmFile], problems: Sequence[Problem]) -> TypeSource | None:
         if not files:
             return TypeSource("", {}, problems=problems) if problems else None
         source = self._compiled(files)
