@@ -43,7 +43,7 @@ _WATCH_PERIOD = 2.0  # [s] between two checks for new publishers
 _WATCH_TIME = 0.3  # [s] of a check, for programs that are not nodes
 _ASLEEP = NANOSECONDS  # [ns] without a turn means that the computer slept, or Ctrl-Z
 _ANSWERED = 0.3  # [s] after which existing nodes have announced themselves
-_LONG_GAP = 30.0  # [s] until the next message, of which the user is told
+_LONG_GAP = 5.0  # [s] until the next message, of which the user is told
 _STOPS = 3  # times that a stop is sent, because each may be lost
 _STOP_GAP = 0.01  # [s]
 
@@ -60,6 +60,8 @@ class Manner:
     is_paused: bool = False  # at the start
     clock: bool = False  # publish /clock
     waits: bool = False  # wait for a subscriber of each topic
+    most_gap: float = math.inf  # a longer time without messages is skipped [s]
+    typed: Sequence[str] = ()  # the logs as the user named them; () for the paths themselves
     force: bool = False  # play even if others publish or obey
 
 
@@ -104,7 +106,8 @@ def play(
             )
         for line in playlist.untold() if window[0] > playlist.span[0] else ():
             notify(line)
-        known, graph = _check(paths, url, playlist.tracks, notify, force=manner.force)
+        named = manner.typed or [*map(str, paths)]
+        known, graph = _check(named, url, playlist.tracks, notify, force=manner.force)
         with (
             own_node("play", url, in_order=True) as node,
             _Watch(url, playlist.tracks, node.name, known) as watch,
@@ -117,7 +120,7 @@ def play(
 
 
 def _check(
-    paths: Sequence[str | Path],
+    named: Sequence[str],
     url: BusUrl,
     tracks: Sequence[Track],
     notify: Notify,
@@ -131,7 +134,7 @@ def _check(
     for line in reasons(found):
         notify(line)
     if found and not force:
-        typed = f"lcmtools bag play {shlex.join(map(str, paths))} {way_out(found, tracks)}"
+        typed = f"lcmtools bag play {shlex.join(named)} {way_out(found, tracks)}"
         raise LcmtoolsError("nothing is played", f"{typed} goes ahead, --force plays anyway")
     return frozenset(found), graph
 
@@ -144,7 +147,7 @@ class _Session:
     ) -> None:
         tracks, self._recorded_time = playlist.tracks, playlist.recorded_time
         self._node, self._notify, self._watch = node, notify, watch
-        self._forced = manner.force
+        self._forced, self._most_gap = manner.force, manner.most_gap
         self._commands = LastCommands(tracks)
         self._publishers: Mapping[str, PayloadPublisher] = {
             track.topic: node.create_payload_publisher(track.topic, track.type, track.fingerprint)
@@ -204,9 +207,7 @@ class _Session:
             if message := None if now >= due else player.pop_due(now):
                 self._publish(message)
                 continue
-            gap = player.wait(now)
-            self._tell_gap(gap)
-            left = min(gap, max(0, due - now) / NANOSECONDS)
+            left = min(self._gap(player, now), max(0, due - now) / NANOSECONDS)
             if not all(self._press(player, key) for key in wait(left)):
                 return
             if now >= due:
@@ -241,12 +242,21 @@ class _Session:
             if one.topic in late:
                 self._publishers[one.topic].publish_payload(one.payload)
 
-    def _tell_gap(self, seconds: float) -> None:
-        """Notify, once before each message, of a long wait for it; a pause waits without end."""
+    def _gap(self, player: Player, now: int) -> float:
+        """Return the time until the next message [s], after skipping it if it is too long.
+
+        A long one is told, once before each message; a pause waits without end.
+        """
+        seconds = player.wait(now)
+        if self._most_gap < seconds < math.inf:
+            self._notify(f"skipped {span_text(seconds)} without messages")
+            player.skip(now)
+            return 0.0
         if _LONG_GAP < seconds < math.inf and not self._is_gap_told:
             self._is_gap_told = True
-            wait = span_text(seconds)
-            self._notify(f"the next message is due in {wait}; --end leaves it out")
+            ways = "n skips to it, --max-gap all such waits, --end leaves it out"
+            self._notify(f"the next message is due in {span_text(seconds)}; {ways}")
+        return seconds
 
     def _publish(self, message: Played) -> None:
         self._is_gap_told = False

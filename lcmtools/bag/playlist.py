@@ -257,8 +257,7 @@ class Playlist(AbstractContextManager["Playlist"]):
 
     def losses(self) -> list[int]:
         """Return the times at which the recorder found messages lost [ns since 1970]."""
-        notes = (note for log, _ in self._logs for note in log.index.lost)
-        return [note.time for note in notes if any(lost > 0 for lost, _ in note.counts.values())]
+        return [time for log, _ in self._logs for time, _, _ in log.loss_times()]
 
     def announced(self) -> GraphBuilder:
         """Return the announcements of all nodes in the logs."""

@@ -181,7 +181,7 @@ class RosImport:
     def _made_reader(self, channel: Channel, data: bytes) -> _Reader:
         channel = _with_definition(channel)
         store, name = _types_of(channel, data)
-        conversion = Conversion(store)
+        conversion = Conversion(store, ros_version(channel))
         cls = self._classes.get(name)
         if cls is None or not conversion.fits(cls, name):
             cls = self._classes[name] = self._class(conversion, name, ros_version(channel))

@@ -19,7 +19,7 @@ def import_hint(module: str, name: str) -> str:
         return ""
     place, shorts = f"{source.prefix}.{package}", _names_in(package, names)
     if name in _PARTS:
-        return f"write: from {place} import ..., without .{name}"
+        return f"here it is {place}"
     near = [name] if name in shorts else closest(name, shorts)
     return f"write: from {place} import {near[0]}" if near else f"it has {', '.join(shorts)}"
 

@@ -33,7 +33,6 @@ from lcmtools.messages.type_source import Problem, TypeSource
 
 _SHIPPED = "lcmtools.types."
 _OURS = "lcmtools"  # the version that means lcmtools' own type: std_msgs/String@lcmtools
-_USERS = "lcmtools_types_"  # prefix of the package below which packages.cache writes types
 
 
 class Message(Protocol):
@@ -438,14 +437,12 @@ def fingerprint(cls: type[Message]) -> int:
 
 @cache
 def _class_name(cls: type) -> str:
-    """Return a generated class's name: lcm-gen puts each class into its own module."""
-    if name := getattr(cls, "__lcm_name__", ""):  # one that Python cannot spell
+    """Return a class's name; lcm-gen puts each class into its own module."""
+    if name := getattr(cls, "__lcm_name__", ""):  # of a user's type
         return str(name)
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]
-    elif package.startswith(_USERS):
-        package = package.partition(".")[2]
     else:
         package = package.rpartition(".")[2]
     return f"{package}/{cls.__name__}" if package else cls.__name__

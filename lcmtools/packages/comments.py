@@ -6,8 +6,6 @@ A comment stands above its field or, in ROS files, after it.
 import re
 from typing import NamedTuple
 
-COMMENT = re.compile(rb"//[^\n]*|/\*.*?(?:\*/|(?P<unclosed>\Z))", re.DOTALL)
-"""A comment in a .lcm file."""
 _STRUCT = re.compile(r"struct\s+\w+")
 _FIELD = re.compile(r"(?!package\b)[\w./]+(?:\[[^\]]*\])*\s+(\w+)(?:\s*\[[^\]]*\])*\s*(?:;|$)")
 _UNIT = re.compile(r"\[([^\]]*)\]\s*")
@@ -36,11 +34,6 @@ def comments(source: str) -> dict[str, Comment]:
             found[field[1]] = _comment(comment or " ".join(above))
         above = []
     return found
-
-
-def without_comments(content: bytes) -> bytes:
-    """Return a .lcm file's content with the same lines and no comments."""
-    return COMMENT.sub(lambda one: b" " + b"\n" * one[0].count(b"\n"), content)
 
 
 def _split(line: str) -> tuple[str, str]:

@@ -27,11 +27,15 @@ class _Size(NamedTuple):
 
 
 class Expansion:
-    """Counts fields; ``parts`` has for each type the types of its fields, "" for primitive ones."""
+    """Counts fields.
 
-    def __init__(self, parts: Mapping[str, Sequence[str]]) -> None:
-        self._parts = parts
-        self._known = {"": _Size(0, 0)}
+    ``counts`` has for each type how many it has, ``parts`` the types of those that are not
+    primitive.
+    """
+
+    def __init__(self, parts: Mapping[str, Sequence[str]], counts: Mapping[str, int]) -> None:
+        self._parts, self._counts = parts, counts
+        self._known: dict[str, _Size] = {}
         self._visits = 0
 
     def fields(self, name: str) -> int:
@@ -52,15 +56,20 @@ class Expansion:
 
     def _sum(self, name: str, above: tuple[str, ...]) -> _Size:
         self._visits += 1
-        total, depth, is_fixed = 0, 0, True
-        for part in self._parts.get(name, ()):
+        total, depth, is_fixed = self._counts.get(name, 0), 0, True
+        parts = self._parts.get(name, ())
+        if total > MOST_FIELDS:
+            raise _too_many()
+        for part in parts:
             if len(above) > DEEPEST:
                 raise TooManyFields(f"contains types more than {DEEPEST} levels deep")
             one = self._size(part, above)
-            total, depth = total + 1 + one.fields, max(depth, one.depth)
+            total, depth = total + one.fields, max(depth, one.depth)
             is_fixed = is_fixed and one.is_fixed
             if total > MOST_FIELDS or self._visits > _MOST_VISITS:
-                raise TooManyFields(
-                    f"has more than {MOST_FIELDS} fields, with those of their types"
-                )
+                raise _too_many()
         return _Size(total, depth + 1, is_fixed)
+
+
+def _too_many() -> TooManyFields:
+    return TooManyFields(f"has more than {MOST_FIELDS} fields, with those of their types")

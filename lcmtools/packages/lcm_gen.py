@@ -14,8 +14,8 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
-from lcmtools.packages.comments import without_comments
 from lcmtools.packages.cpp_enums import enum_header
+from lcmtools.packages.lcm_parser import without_comments
 from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
@@ -154,7 +154,7 @@ def _keyword(file: Path, lcm: Path, language: str) -> Problem | None:
     """Return the first keyword of a language among the names in a file, whose text is ``lcm``."""
     name, words = _KEYWORDS[language]
     pattern = re.compile(rf"\b({'|'.join(words)})\b")
-    text = without_comments(lcm.read_bytes()).decode("utf-8", "replace")
+    text = without_comments(lcm.read_bytes().decode("utf-8", "replace"))
     if not (found := pattern.search(text)):
         return None
     line = text.count("\n", 0, found.start()) + 1
@@ -174,14 +174,21 @@ def _write_enums(file: Path, root: Path, folder: Path) -> None:
 def _copy(source: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     if source.name == "__init__.py" and target.exists():
-        write_whole(target, _joined(source, target))
+        _write(target, _joined(source, target))
     elif source.suffix == ".py":
-        write_whole(target, as_portable_values(source.read_text("utf-8")))
+        _write(target, as_portable_values(source.read_text("utf-8")))
     elif source.suffix == ".hpp":
         text = source.read_text("utf-8")
-        write_whole(target, _FUNCTION.sub(_CAST, text))
+        _write(target, _FUNCTION.sub(_CAST, text))
     else:
-        write_whole(target, source.read_bytes())
+        _write(target, source.read_bytes())
+
+
+def _write(target: Path, content: str | bytes) -> None:
+    """Write a file; one that has this content keeps its time, so that nothing is compiled again."""
+    new = content.encode() if isinstance(content, str) else content
+    if not target.is_file() or target.read_bytes() != new:
+        write_whole(target, new)
 
 
 def _problem(files: Sequence[Path], output: str) -> Problem:

@@ -135,10 +135,12 @@ class UserTypes:
 
     def declared_packages(self) -> set[str]:
         """Return the packages that the files declare; compiles none, a file may be wrong."""
-        from lcmtools.packages.generated import declared_packages
+        from lcmtools.packages.lcm_parser import declared
 
         files, _ = read_folders(self.far_folders())
-        return {package for file in files for package in declared_packages(file)}
+        named = {file.package for file in files if file.package}
+        texts = (one.content.decode("utf-8", "replace") for one in files if not one.package)
+        return named.union(*(declared(text)[1] for text in texts))
 
     def add_start(self, folder: Path) -> None:
         """Also search the workspace of another folder."""
@@ -161,22 +163,15 @@ class UserTypes:
         return source._replace(problems=[*problems, *source.problems])
 
     def _compiled(self, files: Sequence[LcmFile]) -> TypeSource:
-        from lcmtools.packages.cache import cached_types
+        from lcmtools.packages.cache import types_of
 
-        return cached_types(files, self._environment, self._shipped, _say)
-
-
-def _say(text: str) -> None:
-    """Tell what takes long, as libraries do: by logging, which writes to standard error."""
-    import logging
-
-    logging.getLogger("lcmtools").warning(text)
+        return types_of(files, self._environment, self._shipped)
 
 
 def _recorded_file(one: "RecordedType") -> LcmFile:
     path = Path(one.path)
     package = one.name.rpartition("/")[0] if path.suffix != ".lcm" else ""
-    return LcmFile(path, one.source.encode("utf-8", "surrogateescape"), package)
+    return LcmFile(str(path), one.source.encode("utf-8", "surrogateescape"), package)
 
 
 def user_types() -> UserTypes:

@@ -39,7 +39,7 @@ def with_versions(
     versions: list[TypeSource] = []
     mixed: dict[str, int] = {}  # types made of types of another folder
     for place in source.places:
-        inside = [one for one in files if f"{one.path}/".startswith(f"{place}/")]
+        inside = [one for one in files if f"{one.where}/".startswith(f"{place}/")]
         inside.sort(key=lambda one: len(one.path.parts))
         for one in compiled(inside, known, source.prefix).with_versions():
             new = {n: f for n, f in one.fingerprints.items() if known.get(n) != f}

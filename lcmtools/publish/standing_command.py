@@ -14,10 +14,9 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import cells, to_plain
 from lcmtools.messages.registry import Message
-from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic
+from lcmtools.observe.actuators import JOINTS, VELOCITY_TYPES, is_command_topic
 from lcmtools.observe.simulators import is_simulator
 
-_JOINTS = "sensor_msgs/JointState"
 _NO_MOTION = re.compile(
     r"(?:^|[._])(?:u?time(?:stamp|out)?|stamp|duration|dt|[num]?secs?"
     r"|u?id|index|name|num|number|count(?:er)?|seq(?:uence|num|no|nr)?)(?:[._]|$)|(?:^|[.])t$"
@@ -69,7 +68,7 @@ def standing_command(topic: str, kind: str, message: Message) -> StandingCommand
     ]
     more = ", ..." if len(moving) > _MOST_VALUES else ""
     values = ", ".join(moving[:_MOST_VALUES]) + more
-    is_joints = kind == _JOINTS and not any(name.startswith("position") for name in flat)
+    is_joints = kind == JOINTS and not any(name.startswith("position") for name in flat)
     if not (is_joints or kind in VELOCITY_TYPES):
         return StandingCommand(topic, values)
     zero = deepcopy(message)

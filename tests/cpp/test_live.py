@@ -15,6 +15,7 @@ from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools import Node
+from lcmtools.bus.kernel import receive_buffer_bytes, receive_buffers
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import ServiceError
@@ -389,6 +390,17 @@ def test_a_killed_one_is_noticed(everything: Callable[..., Program], cli: Cli) -
     program.send_signal(signal.SIGKILL)
     program.wait()
     assert_says(cli("wtf").out, NAME, str(program.pid))
+
+
+def test_its_receive_buffer_is_as_large_as_the_system_grants(
+    everything: Callable[..., Program],
+) -> None:
+    """A plain LCM program sends an image in one burst."""
+    program = everything()
+    links = [str(one.readlink()) for one in Path(f"/proc/{program.pid}/fd").iterdir()]
+    inodes = [int(link[8:-1]) for link in links if link.startswith("socket:")]
+    sizes = receive_buffers()
+    assert 2 * receive_buffer_bytes() in [sizes.get(inode) for inode in inodes]
 
 
 def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(

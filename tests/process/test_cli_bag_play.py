@@ -273,6 +273,9 @@ def test_a_long_wait_for_the_next_message_is_told_once(
     done = cli("bag", "play", path, "--end", "1s", env={"LCM_DEFAULT_URL": bus_url})
     assert done.code == 0
     assert "is due" not in done.err
+    done = cli("bag", "play", path, "--max-gap", "2s", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.code == 0
+    assert_says(done.err, f"skipped {wait}", "3 messages in 0.")
 
 
 def test_playing_waits_for_a_subscriber_of_each_topic(

@@ -21,6 +21,9 @@ places = together(
 )
 force_option = flag("--force", help="Overwrite an existing file.")
 made_options = together(force_option, json_option)
+stamp_option = flag(
+    "--by-stamp", help="Use the times in the messages, instead of those of recording."
+)
 topics_option = option(
     "-t",
     "--topics",

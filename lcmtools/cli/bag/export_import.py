@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from lcmtools.bag import edits
+from lcmtools.bag import edits, stamps
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.export import FORMATS, export, format_of
 from lcmtools.bag.latched import part_of
@@ -16,6 +16,7 @@ from lcmtools.cli.bag.common import (
     exclude_option,
     made_options,
     places,
+    stamp_option,
     topic_choice,
     topics_option,
     window_options,
@@ -44,6 +45,7 @@ from lcmtools.wire.packet import Packet
 @topics_option
 @exclude_option
 @window_options
+@stamp_option
 @option(
     "--compress",
     type=click.Choice(["zstd", "lz4", "none"]),
@@ -59,6 +61,7 @@ def export_(
     excluded: tuple[str, ...],
     start: LogTime | None,
     end: LogTime | None,
+    by_stamp: bool,
     compress: Compression,
     force: bool,
     as_json: bool,
@@ -71,7 +74,7 @@ def export_(
     them. The exit code is 1 if messages cannot be written, 2 if none can.
     """
     meant = format_of(Path(target), format_)
-    with LogFile(source) as log:
+    with stamps.by_stamp([source], wanted=by_stamp) as (path,), LogFile(path) as log:
         _, found = part_of(log, start, end, notify=notify)
         found = edits.chosen(found, topic_choice(log, wanted, excluded))
         found = found if wanted else edits.visible(found)

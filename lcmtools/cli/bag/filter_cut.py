@@ -15,7 +15,7 @@ from lcmtools.cli.bag.common import (
     write,
 )
 from lcmtools.cli.bus import notify
-from lcmtools.cli.declare import argument, examples, option, rate, subcommand, whole_number
+from lcmtools.cli.declare import argument, examples, flag, option, rate, subcommand, whole_number
 from lcmtools.cli.declare import duration as time_span
 from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
@@ -28,17 +28,20 @@ _Topics = tuple[str, ...]
 @examples(
     "bag filter ride.lcmlog out.lcmlog 'm.pose.pose.position.x > 1' -t /husky0/odometry",
     "bag filter ride.lcmlog out.lcmlog -x '**/image' -s 10s -e end-1m",
+    "bag filter ride.lcmlog out.lcmlog /cmd_vel 'm.linear.x > 0' --keep-others",
 )
 @places
-@argument("expression", metavar="[EXPR]", required=False)
+@argument("words", metavar="[[TOPIC] EXPR]", nargs=-1)
+@flag("--keep-others", help="Keep the messages of all topics without a condition.")
 @topics_option
 @exclude_option
 @window_options
 def filter_(
     source: str,
     target: str,
-    expression: str | None,
+    words: tuple[str, ...],
     *,
+    keep_others: bool,
     wanted: _Topics,
     excluded: _Topics,
     start: LogTime | None,
@@ -49,14 +52,26 @@ def filter_(
     """Write the messages that meet a condition to another log.
 
     EXPR is an expression as in echo --filter: m is the message. It must fit every selected topic,
-    so select topics with -t. A message that cannot be decoded does not match.
+    so name the TOPIC before it, or select topics with -t. With --keep-others it is a condition for
+    these, and all other topics are kept. A message that cannot be decoded does not match.
     """
+    *topics, expression = words or ("",)
+    if len(topics) > 1:
+        hint = "write TOPIC EXPR, or -t for each of several topics"
+        raise UsageError(f"too many arguments: {topics[1]}", hint)
+    judged = TopicChoice((*wanted, *topics))
+    if keep_others and not (judged.wanted and expression):
+        raise UsageError(
+            "--keep-others keeps the topics without a condition", "name a topic and its condition"
+        )
     condition = Filter(expression) if expression else None
+    wanted = () if keep_others else tuple(judged.wanted)
     with LogFile(source) as log:
         span, found = part_of(log, start, end, notify=notify)
         found = edits.chosen(found, topic_choice(log, wanted, excluded))
         if condition:
-            found = edits.matching(found, condition, known_nodes(log).types_of)
+            only = topic_choice(log, tuple(judged.wanted), ()) if keep_others else None
+            found = edits.matching(found, condition, known_nodes(log).types_of, only)
         write(target, found, log, force=force, as_json=as_json, between=span)
 
 

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.labs.catalogue import Lab
-from lcmtools.labs.checks.check import choose
 from lcmtools.labs.checks.check_report import read_record
 from lcmtools.labs.checks.checked_programs import own_command
+from lcmtools.labs.checks.choice import choose
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts

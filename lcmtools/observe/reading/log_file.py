@@ -182,6 +182,16 @@ class LogFile(AbstractContextManager["LogFile"]):
         found.sort(key=lambda one: (one[0].time, one[0].start))
         return [event.packet(self.data)._replace(sender=sender) for event, sender in found]
 
+    def loss_times(self) -> Iterator[tuple[int, Sender, Loss]]:
+        """Yield when the recorder found messages of a sender lost [ns since 1970], and how many.
+
+        They were lost since the record before, which is at most some seconds earlier.
+        """
+        for note in self.index.lost:
+            for number, (lost, sent) in note.counts.items():
+                if lost > 0 and (sender := self.senders.get(number)):
+                    yield note.time, sender, Loss(lost, sent)
+
     def of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
         """Yield the places of a block's events from a byte on, with their senders if known."""
         found: Iterable[Event] = self.events(block.start, block.end)

@@ -16,9 +16,7 @@ from typing import NamedTuple
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.bus.kernel import (
-    ANNOUNCED,
-    SELECTIVE,
-    SUBSCRIBED,
+    OWN_MARKS,
     marked_sockets,
     own_pid_namespace,
 )
@@ -156,7 +154,7 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     is_log = url.provider == "file"  # whose programs need not run now, or here
     table = SocketTable({}, {}) if is_log else SocketTable.read()
     listening = frozenset() if is_log else listening_sockets(url)
-    others = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) - table.holders.keys()
+    others = marked_sockets(*OWN_MARKS) - table.holders.keys()
     known = {*nodes_by_pid(graph.nodes, table.holders.values()), os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():

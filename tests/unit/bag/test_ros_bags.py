@@ -188,7 +188,7 @@ def test_a_bag_without_definitions_has_the_types_of_the_workspace(
         if is_ros
         else (
             "package own_msgs;"
-            " struct Wheel { int16_t number; int32_t n; double speeds[n]; Part part; }"
+            "struct Wheel { int16_t number; int32_t n; double speeds[n]; Part part; }"
         )
     )
     part = "uint8 x\n" if is_ros else "package own_msgs; struct Part { byte x; }"

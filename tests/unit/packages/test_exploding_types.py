@@ -81,10 +81,11 @@ def test_a_type_with_too_many_elements_is_refused(write: Write, types_of: Types)
 
 
 def test_fields_are_counted_with_those_of_their_types() -> None:
-    expansion = Expansion({"a": ["", ""], "b": ["a", "", "a"], "loop": ["loop", "b"]})
+    parts = {"b": ["a", "a"], "loop": ["loop", "b"]}
+    expansion = Expansion(parts, {"a": 2, "b": 3, "loop": 2})
     assert [expansion.fields(name) for name in ("a", "b", "loop")] == [2, 7, 9]
     with pytest.raises(TooManyFields):
-        Expansion({"a": [""] * (MOST_FIELDS + 1)}).fields("a")
+        Expansion({}, {"a": MOST_FIELDS + 1}).fields("a")
 
 
 SCANNED = {

@@ -281,6 +281,11 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     names = [path.relative_to(tmp_path / "generated").as_posix() for path in made]
     assert names == ["p/A.hpp", "p/Go_Request.hpp", "p/Go_Response.hpp"]
     assert "std::vector< double > values;" in made[0].read_text()
+    before = made[0].stat().st_mtime_ns, made[1].stat().st_mtime_ns
+    made[1].write_text("changed")
+    generate_code(files, "cpp", tmp_path / "generated")
+    assert made[0].stat().st_mtime_ns == before[0]  # make compiles nothing that includes it
+    assert "changed" not in made[1].read_text()
 
 
 def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
