@@ -21,7 +21,7 @@ def open_bus(url: BusUrl) -> Bus:
         from lcmtools.bus.udp_bus import UdpBus
 
         return UdpBus(url)
-    if url.provider == "tcpq" and LOCKSTEP in os.environ:
+    if url.provider == "tcpq" and os.environ.get(LOCKSTEP):
         from lcmtools.bus.step_bus import StepBus
 
         return StepBus(url)

@@ -295,6 +295,7 @@ def _listeners(
     buffers, before, after = kernel.receive_buffers(), baseline.table, names.table
     # a channel socket's kernel counters mean nothing: its filter drops nearly everything
     selective = kernel.marked_sockets(kernel.SELECTIVE)
+    unfiltered = kernel.marked_sockets(kernel.UNFILTERED)
     filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     hung = hanging(baseline.waiting)
@@ -323,6 +324,7 @@ def _listeners(
                 is_node=bool(nodes),
                 joined=kernel.joined_interfaces(process.pid, inode, group) if process else (),
                 interpreter=interpreter(process.command) if process else "",
+                is_unfiltered=inode in unfiltered,
                 hangs=process is not None and process.pid in hung,
             )
         )

@@ -172,6 +172,8 @@ class Factory:
         resolved = names.check_channel(topic) if plain_channel else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
         subscription.on_ready = self.__callbacks.on_ready(self.__callbacks.deliver, subscription)
+        subscription.callbacks = self.__callbacks
+        subscription.run = partial(self.__callbacks.run, subscription)
         is_large = any(map(has_byte_array, types))
         self.__receive(resolved, subscription.receive, is_large=is_large)
         bus = self.__context.bus
@@ -249,7 +251,7 @@ class Factory:
         client.is_interrupted = lambda: not self.__context.ok()
         client.before_call = self.__before_call
         client.on_spin = self.__callbacks.ready.append
-        client.idle_server = partial(self.__context.idle_server, resolved)
+        client.server = partial(self.__context.server, resolved)
         self.__receive(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client

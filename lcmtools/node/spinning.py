@@ -66,8 +66,7 @@ class BackgroundSpin:
         try:
             with _spinning(callbacks):
                 self._has_started.set()
-                while self._context.ok() and not self._is_over():
-                    self._context.run_once(callbacks, None, self._is_over)
+                self._context.run(callbacks, self._is_over)
         finally:
             self._context.background_spins.remove(self)
 
@@ -89,8 +88,7 @@ def spin(*nodes: Node) -> None:
     nodes[0].warn_of_unused_arguments()
     callbacks = [node.callbacks for node in nodes]
     with _spinning(callbacks), contextlib.suppress(KeyboardInterrupt):
-        while context.ok():
-            context.run_once(callbacks, None)
+        context.run(callbacks)
     context.is_ending = not context.ok()
 
 

@@ -25,7 +25,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Float64, Header, String
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
 
 Cli = Callable[..., Result]
 _NODE = Path(__file__).parent / "programs/played_to.py"
@@ -86,7 +86,7 @@ def test_a_node_that_does_as_recorded_is_equal(rerun: Rerun) -> None:
     assert (code, report["equal"], report["lockstep"]) == (0, True, True)
     assert (report["inputs"], report["input_topics"]) == (_COUNT, ["/in"])
     found = topic(report)
-    assert (found["recorded"], found["rerun"], found["matched"]) == (_COUNT, _COUNT, _COUNT)
+    assert (found["recorded"], found["now"], found["matched"]) == (_COUNT, _COUNT, _COUNT)
     assert found["delay_recorded"] == pytest.approx(0.003)
 
 
@@ -95,8 +95,8 @@ def test_a_gain_changed_by_a_percent_is_found_and_named(rerun: Rerun) -> None:
     found = topic(report)
     assert (code, found["differing"], found["fields"]) == (1, _COUNT, {"data": _COUNT})
     assert found["first"]["recorded"] == 2.0
-    assert found["first"]["rerun"] == pytest.approx(2.02)
-    assert found["largest"]["difference"] == pytest.approx(1.2)
+    assert found["first"]["now"] == pytest.approx(2.02)
+    assert found["largest"]["size"] == pytest.approx(1.2)
     assert found["largest"]["time"] == pytest.approx(1.183)
     assert rerun("_gain:=2.02", options=("--relative", "0.011"))[0] == 0
 
@@ -152,7 +152,7 @@ def test_a_timer_follows_the_time_of_the_log(rerun: Rerun, tmp_path: Path) -> No
     log = written(tmp_path / "t.lcmlog", inputs() + outputs() + [tick(n) for n in range(1, 5)])
     code, report = rerun("_period:=0.25", log=log, options=("--twice",))
     found = topic(report, "/ticks")
-    assert (code, found["rerun"], found["matched"]) == (0, 4, 4), report
+    assert (code, found["now"], found["matched"]) == (0, 4, 4), report
 
 
 def test_a_recorded_clock_is_the_time_of_nodes(rerun: Rerun, tmp_path: Path) -> None:
@@ -165,8 +165,8 @@ def test_a_recorded_clock_is_the_time_of_nodes(rerun: Rerun, tmp_path: Path) -> 
     packets = [clock(n) for n in range(_COUNT)] + inputs() + outputs() + ticks
     code, report = rerun("_period:=0.25", log=written(tmp_path / "t.lcmlog", packets))
     found = topic(report, "/ticks")
-    assert (code, found["rerun"]) == (1, 4)
-    assert found["first"]["rerun"] == pytest.approx(0.26)  # the first clock after 0.25 s
+    assert (code, found["now"]) == (1, 4)
+    assert found["first"]["now"] == pytest.approx(0.26)  # the first clock after 0.25 s
 
 
 def test_an_output_that_the_program_subscribes_to_later_is_passed_on(
@@ -176,6 +176,19 @@ def test_an_output_that_the_program_subscribes_to_later_is_passed_on(
     log = written(tmp_path / "e.lcmlog", inputs() + outputs() + echo)
     code, report = rerun("_subscribe_at:=5", log=log, options=("--twice",))
     assert (code, topic(report, "/echo")["matched"]) == (0, _COUNT - 4), report
+
+
+def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "shared.lcmlog") as log:
+        names = ("/doubler", "/other")
+        own, other = (log.sender_number(Sender("10.0.0.1", n), one) for n, one in enumerate(names))
+        log.add(*inputs(1))
+        log.add(*outputs(1), own)
+        for packet in inputs(topic="/out")[1:]:
+            log.add(packet, other)
+    code, report = rerun("_subscribe_at:=1", log=str(tmp_path / "shared.lcmlog"))
+    assert (code, report["inputs"]) == (0, _COUNT)
+    assert (topic(report)["recorded"], topic(report)["matched"]) == (1, 1)
 
 
 def test_a_thread_that_publishes_by_itself_is_played_to_in_real_time(rerun: Rerun) -> None:
@@ -303,9 +316,9 @@ def test_inputs_can_be_changed(log: str) -> None:
 
     result = lcmtools.bag.rerun(log, Doubled, inputs=late)
     (found,) = result.topics
-    assert (found.rerun, len(found.missing)) == (_COUNT - 1, 1)
+    assert (found.now, len(found.missing)) == (_COUNT - 1, 1)
     result = lcmtools.bag.rerun(log, Doubled, inputs={"/in": "m.data > 10"})
-    assert result.topics[0].rerun == _COUNT - 10
+    assert result.topics[0].now == _COUNT - 10
 
 
 def test_a_saved_rerun_is_the_same_each_time_and_a_new_reference(

@@ -65,7 +65,7 @@ class Difference(NamedTuple):
 
     field: str
     recorded: object
-    rerun: object
+    now: object
     size: float  # infinite if the values are no numbers
     excess: float  # the same, as a multiple of what is allowed
     time: int = 0  # of the recorded message [ns since 1970]
@@ -82,7 +82,7 @@ class Difference(NamedTuple):
 
     def __str__(self) -> str:
         """Return the field with both values."""
-        return f"{self.field} was {_text(self.recorded)}, now {_text(self.rerun)}"
+        return f"{self.field} was {_text(self.recorded)}, now {_text(self.now)}"
 
 
 @dataclass(slots=True)
@@ -91,7 +91,7 @@ class TopicComparison:
 
     topic: str
     recorded: int
-    rerun: int
+    now: int
     matched: int = 0
     missing: list[int] = field(default_factory=list)  # times of recorded ones [ns since 1970]
     extra: list[int] = field(default_factory=list)  # times of new ones
@@ -101,7 +101,7 @@ class TopicComparison:
     first: Difference | None = None  # beyond its tolerance
     fields: Counter[str] = field(default_factory=Counter)  # that are, with their messages
     delay_recorded: float | None = None  # [s] after the input, the median
-    delay_rerun: float | None = None  # by the computer's clock
+    delay_now: float | None = None  # by the computer's clock
     trouble: str = ""  # why its messages could not be compared
     pairs: list[tuple[int, int]] = field(default_factory=list)  # places of matched messages
     is_judged: bool = True  # False if the log does not have it
@@ -126,14 +126,14 @@ Read = Callable[[str, bytes], Message]
 
 def compare(
     topic: str,
-    recorded: Sequence[Compared],
-    rerun: Sequence[Compared],
+    both: tuple[Sequence[Compared], Sequence[Compared]],
     read: Read,
     tolerance: Tolerance,
     *,
     judges_delay: bool = True,
 ) -> TopicComparison:
-    """Compare the messages of a topic; without ``judges_delay`` none is late."""
+    """Compare the messages of a topic, recorded and now; without ``judges_delay`` none is late."""
+    recorded, rerun = both
     found = TopicComparison(topic, len(recorded), len(rerun))
     stamps = None if tolerance.is_by_order else _stamps(topic, recorded, rerun, read)
     pairs = _by_stamp(*stamps) if stamps else _by_time(recorded, rerun)
@@ -147,7 +147,7 @@ def compare(
     if matched:
         shift = median(one.time - other.time for one, other in matched)
         found.delay_recorded = median(one.time - other.cause for one, other in matched) / 1e9
-        found.delay_rerun = median(other.delay for _, other in matched) / 1e9
+        found.delay_now = median(other.delay for _, other in matched) / 1e9
         late = [(one, (other.time - one.time + shift) / 1e9) for one, other in matched]
         if judges_delay:
             found.late = [(one.time, by) for one, by in late if abs(by) > tolerance.delay]

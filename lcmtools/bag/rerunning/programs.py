@@ -4,10 +4,9 @@ import os
 import shlex
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import MappingProxyType, TracebackType
-from typing import NamedTuple, Protocol, TypeAlias
 
 from lcmtools.bus.base import LOCKSTEP
 from lcmtools.errors import LcmtoolsError, UsageError
@@ -22,123 +21,44 @@ _PATIENCE = StopTimeouts(interrupt=5.0, terminate=2.0)
 _LAST_BYTES, _LAST_LINES = 4000, 8
 
 
-class Program(Protocol):
-    """A program to be run, such as a ``NodePlan`` of a launch file."""
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A program to be run; several are nodes of a launch file."""
 
-    @property
-    def name(self) -> str:
-        """Its name in reports."""
-
-    @property
-    def command(self) -> Sequence[str]:
-        """The words of its command line."""
-
-    @property
-    def environment(self) -> Mapping[str, str]:
-        """Variables in addition to those of this process."""
-
-    @property
-    def directory(self) -> str:
-        """Its working directory; "" for this process's."""
-
-
-class Command(NamedTuple):
-    """A program that is given by its command line."""
-
+    name: str
     command: Sequence[str]
+    environment: Mapping[str, str] = field(default_factory=dict)  # beside this process's
+    directory: str = ""  # its working directory; "" for this process's
+
+
+@dataclass(frozen=True, slots=True)
+class Tested:
+    """The programs under test, or a class of nodes, of which one is made in this process."""
+
+    programs: Sequence[Program] = ()
+    node: type[Node] | None = None
 
     @property
     def name(self) -> str:
-        """The command line, in short."""
-        return shlex.join(self.command)
-
-    environment: Mapping[str, str] = MappingProxyType({})
-    directory: str = ""
+        """The names of all."""
+        return self.node.__name__ if self.node else ", ".join(one.name for one in self.programs)
 
 
-TestedPrograms: TypeAlias = Sequence[Program] | type[Node]
-"""The programs under test, or a class of nodes, of which one is made in this process."""
-
-
-def tested(program: str | Sequence[str] | TestedPrograms) -> TestedPrograms:
-    """Return the programs for a class, a command line, its words, or programs.
+def tested(program: str | Sequence[str] | type[Node] | Tested) -> Tested:
+    """Return what is to be tested, given as a class, a command line, its words, or as it is.
 
     Raises:
-        UsageError: It is none of these.
+        UsageError: It is nothing of these.
     """
-    if isinstance(program, str):
-        program = shlex.split(program)
-    if isinstance(program, type) and issubclass(program, Node):
+    if isinstance(program, Tested):
         return program
+    if isinstance(program, type) and issubclass(program, Node):
+        return Tested(node=program)
     if isinstance(program, type) or not program:
         what = f"a program is a command line or a class of nodes, not {program!r}"
         raise UsageError(what, 'write for example "lcmtools run talker"')
-    words = [word for word in program if isinstance(word, str)]
-    if len(words) == len(program):
-        return [Command(words)]
-    return [one for one in program if not isinstance(one, str)]
-
-
-def named(program: TestedPrograms) -> str:
-    """Return the names of programs."""
-    if isinstance(program, type):
-        return program.__name__
-    return ", ".join(one.name for one in program)
-
-
-class NodeHere(AbstractContextManager["NodeHere"]):
-    """A node in this process, made from its class; a substitute for ``Programs``."""
-
-    def __init__(self, cls: type[Node], variables: Mapping[str, str], words: Sequence[str]) -> None:
-        self._cls, self._variables, self._words = cls, variables, words
-
-    def __enter__(self) -> "NodeHere":
-        """Make the node, and run its callbacks on a thread."""
-        before = os.environ.get(LOCKSTEP)
-        try:
-            if LOCKSTEP in self._variables:
-                os.environ[LOCKSTEP] = self._variables[LOCKSTEP]
-            process.init(self._words, url=self._variables["LCM_DEFAULT_URL"], handle_signals=False)
-        finally:
-            os.environ.pop(LOCKSTEP, None)
-            if before is not None:
-                os.environ[LOCKSTEP] = before
-        try:
-            spin_in_background(self._cls())  # type: ignore[call-arg] # a user's class has a name
-        except BaseException:
-            process.shutdown()
-            raise
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """End the node."""
-        process.shutdown()
-
-    def __len__(self) -> int:
-        """Return 1: the node."""
-        return 1
-
-    def ended(self, timeout: float = 0.0) -> str:
-        """Return a sentence if the node has ended; "" while it runs."""
-        del timeout
-        return "" if process.ok() else f"{self._cls.__name__} ended"
-
-    def last_lines(self) -> tuple[str, ...]:
-        """Return nothing, because its lines have been printed here."""
-        return ()
-
-
-class RunningPrograms(Protocol):
-    """What a session needs to know of the programs."""
-
-    def __len__(self) -> int:
-        """Return their number."""
-
-    def ended(self, timeout: float = 0.0) -> str:
-        """Return a sentence on one that has ended, waiting for that if asked to; "" for none."""
-
-    def last_lines(self) -> tuple[str, ...]:
-        """Return the last lines that they have printed."""
+    words = shlex.split(program) if isinstance(program, str) else program
+    return Tested([Program(shlex.join(words), words)])
 
 
 class Programs(AbstractContextManager["Programs"]):
@@ -149,87 +69,102 @@ class Programs(AbstractContextManager["Programs"]):
     """
 
     def __init__(self, programs: Sequence[Program], variables: Mapping[str, str]) -> None:
-        self._plans, self._variables = programs, variables
+        self._programs, self._variables = programs, variables
         self._children: list[tuple[Program, ChildProcess]] = []
         self._stack = ExitStack()
+        self.count = max(1, len(programs))
 
     def __enter__(self) -> "Programs":
         """Start them."""
         with ExitStack() as stack:
             folder = Path(stack.enter_context(TemporaryDirectory(prefix="lcmtools-rerun-")))
             guard = stack.enter_context(ProcessGuard())
-            for number, plan in enumerate(self._plans):
-                child = self._started(plan, folder / str(number), guard)
-                self._children.append((plan, stack.enter_context(child)))
+            for number, program in enumerate(self._programs):
+                child = self._started(program, folder / str(number), guard)
+                self._children.append((program, stack.enter_context(child)))
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End them."""
-        self._stack.__exit__(kind, error, trace)
-
-    def __len__(self) -> int:
-        """Return their number."""
-        return len(self._plans)
+        self._stack.close()
 
     def ended(self, timeout: float = 0.0) -> str:
         """Return a sentence on one that has ended, waiting for that if asked to; "" for none."""
-        for plan, child in self._children:
+        for program, child in self._children:
             if timeout:
                 child.wait(timeout)
             if (code := child.code) is not None:
                 how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
-                return f"{plan.name} ended {how}"
+                return f"{program.name} ended {how}"
         return ""
 
-    def last_lines(self) -> tuple[str, ...]:
+    def last_lines(self) -> list[str]:
         """Return the last lines that they have printed."""
         found: list[str] = []
-        for plan, child in self._children:
+        for program, child in self._children:
+            mark = f"{program.name}: " if self.count > 1 else ""
             lines = child.output(_LAST_BYTES).splitlines()[-_LAST_LINES:]
-            mark = f"{plan.name}: " if len(self._children) > 1 else ""
             found += [f"{mark}{line}" for line in lines]
-        return tuple(found)
+        return found
 
-    def _started(self, plan: Program, output: Path, guard: ProcessGuard) -> ChildProcess:
-        command = _command(plan.command)
-        variables = {**os.environ, "PYTHONUNBUFFERED": "1", **plan.environment, **self._variables}
+    def _started(self, program: Program, output: Path, guard: ProcessGuard) -> ChildProcess:
+        is_run = tuple(program.command[: len(RUN)]) == RUN
         start = Start(
-            command,
-            variables,
-            plan.directory,
+            _command(program.command),
+            {**os.environ, "PYTHONUNBUFFERED": "1", **program.environment, **self._variables},
+            program.directory,
             output=output,
-            holds_interrupts=tuple(plan.command[: len(RUN)]) == RUN,
+            holds_interrupts=is_run,
         )
         output.touch()
         try:
             return ChildProcess(start, guard, _PATIENCE)
         except OSError as error:
-            what = f"cannot start {plan.command[0]}: {error.strerror}"
+            what = f"cannot start {program.command[0]}: {error.strerror}"
             raise LcmtoolsError(what, "write the program as in a shell") from None
 
 
+class NodeHere(Programs):
+    """A node in this process, whose callbacks run on a thread."""
+
+    def __init__(self, cls: type[Node], variables: Mapping[str, str], words: Sequence[str]) -> None:
+        super().__init__((), variables)
+        self._cls, self._words = cls, words
+
+    def __enter__(self) -> "NodeHere":
+        """Make the node, and run its callbacks."""
+        before = os.environ.pop(LOCKSTEP, None)
+        try:
+            os.environ.update({LOCKSTEP: self._variables.get(LOCKSTEP, "")})
+            process.init(self._words, url=self._variables["LCM_DEFAULT_URL"], handle_signals=False)
+        finally:
+            del os.environ[LOCKSTEP]
+            os.environ.update({} if before is None else {LOCKSTEP: before})
+        self._stack.callback(process.shutdown)
+        with ExitStack() as stack:
+            stack.callback(self._stack.close)
+            spin_in_background(self._cls())  # type: ignore[call-arg] # a user's class has a name
+            stack.pop_all()
+        return self
+
+    def ended(self, timeout: float = 0.0) -> str:
+        """Return a sentence if the node has ended; "" while it runs."""
+        del timeout
+        return "" if process.ok() else f"{self._cls.__name__} ended"
+
+
+def started(
+    program: Tested, variables: Mapping[str, str], words: Sequence[str]
+) -> AbstractContextManager[Programs]:
+    """Return the programs, which run within the context; ``words`` are for a node here."""
+    if program.node:
+        return NodeHere(program.node, variables, words)
+    return Programs(program.programs, variables)
+
+
 def _command(words: Sequence[str]) -> list[str]:
-    if not words:
-        raise UsageError("there is no program to run", "write it after --")
     path = Path(words[0])
     if path.suffix == ".py" and path.is_file() and not os.access(path, os.X_OK):
         return [*python_command(path), *words[1:]]
     return startable(words)
-
-
-def started(
-    program: TestedPrograms, variables: Mapping[str, str], words: Sequence[str]
-) -> AbstractContextManager[RunningPrograms]:
-    """Return the programs, which start with the context and end with it.
-
-    ``words`` are the arguments of a node in this process.
-    """
-    if isinstance(program, type):
-        return NodeHere(program, variables, words)
-    return Programs(program, variables)

@@ -2,33 +2,27 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
-from lcmtools.bag.contract import Contract, TopicTerms, read_contract
+from lcmtools.bag.contract import TopicTerms, read_contract
 from lcmtools.bag.player import Player
 from lcmtools.bag.playlist import Choice, Played, Playlist
-from lcmtools.bag.rerunning.comparison import (
-    Compared,
-    Tolerance,
-    TopicComparison,
-    compare,
-    part_of,
-)
+from lcmtools.bag.rerunning.comparison import Compared, Tolerance, compare, part_of
 from lcmtools.bag.rerunning.private_bus import PrivateBus
-from lcmtools.bag.rerunning.programs import TestedPrograms, named, started, tested
+from lcmtools.bag.rerunning.programs import Tested, started, tested
+from lcmtools.bag.rerunning.rerun_report import Rerun
 from lcmtools.bag.rerunning.session import Run, Session, Stopped, Wishes
 from lcmtools.bag.times import LogTime, parse_time, time_window
 from lcmtools.bus.base import LOCKSTEP
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
-from lcmtools.errors import DecodeError, explained
-from lcmtools.graph.model import Role
+from lcmtools.errors import explained
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import Message
 from lcmtools.messages.supply import has_supply
-from lcmtools.names import Pattern, base_name_of, did_you_mean, is_hidden
+from lcmtools.names import Pattern, base_name_of, did_you_mean
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.packages import provide_user_types
 from lcmtools.types.rosgraph_msgs import Clock
@@ -44,103 +38,35 @@ class Input(NamedTuple):
 
 
 Change: TypeAlias = Callable[[Input], Input | Iterable[Input] | None] | Mapping[str, str]
-"""A function that returns an input as it is, changed, later, several times, or None for lost; or
-conditions by topics, as of ``bag filter``: messages that do not meet them are lost."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manner:
-    """Options for running a program again."""
+    """The options of a rerun."""
 
     arguments: Sequence[str] = ()  # of a node in this process: "__ns:=/husky0"
-    rate: float | None = None  # seconds of the log per second; None for lock-step if possible
-    start: LogTime | None = None
-    end: LogTime | None = None
-    inputs: Sequence[str] = ()  # the only topics that are played; none for all
-    outputs: Sequence[str] = ()  # topics that are compared, beside those of the programs
+    inputs: Change | None = None
+    """A function that returns an input as it is, changed, at another time, several, or None to lose
+    it; or conditions as of ``bag filter`` by topics: inputs that do not meet them are lost."""
+    only: Sequence[str] = ()  # the only topics that are played; none for all
+    outputs: Sequence[str] = ()  # topics that are compared, beside those of the program
+    start: LogTime | str | None = None  # "10s", "end-1m"
+    end: LogTime | str | None = None
+    tolerance: float = 1e-9  # the largest difference of numbers that counts as none
+    relative: float = 1e-9  # the same, as a part of their size
+    delay: float = 0.1  # of stamps, and of messages against the others of their topic [s]
+    against: str | Path | None = None  # a contract with tolerances of topics and fields
+    rate: float | None = None  # in real time at this rate; None for lock-step, if possible
     timeout: float = 10.0  # [s] without an answer after which the program hangs
-    tolerance: Tolerance = field(default_factory=Tolerance)
-    contract: Contract | None = None  # with tolerances of topics
     twice: bool = False  # run it twice, and compare both runs byte for byte
-    change: Change | None = None  # of the inputs
-
-
-@dataclass(frozen=True, slots=True)
-class Rerun:
-    """The result. ``bool`` of it is True if the program says the same as in the recording."""
-
-    log: str
-    program: str
-    run: Run
-    topics: tuple[TopicComparison, ...]
-    trouble: tuple[str, ...]  # sentences on what went wrong, beside the differences
-    notes: tuple[str, ...]  # what could not be played or compared
-    seconds: float  # of the log
-    duration: float  # of the run [s]
-    start: int  # [ns since 1970]
-    recorded: Mapping[str, Sequence[Compared]]  # by topic
-    rerun: Mapping[str, Sequence[Compared]]
-    read: Callable[[str, bytes], Message]
-
-    @property
-    def is_equal(self) -> bool:
-        """True if nothing differs, and nothing went wrong."""
-        return not self.trouble and all(topic.is_equal for topic in self.topics)
-
-    def after(self, time: int) -> float:
-        """Return the seconds from the start of what was played to a time of the log [ns]."""
-        return (time - self.start) / 1e9
-
-    def __bool__(self) -> bool:
-        """Return whether the program says the same."""
-        return self.is_equal
-
-    def __str__(self) -> str:
-        """Return the report as text."""
-        from lcmtools.bag.rerunning.rerun_report import rows
-
-        return "\n".join(rows(self))
-
-
-def rerun_log(
-    log: str | Path,
-    program: TestedPrograms,
-    manner: Manner,
-    on_time: Callable[[float], None] = lambda _: None,
-) -> Rerun:
-    """Run a program with the messages of a log, and compare what it publishes with the log.
-
-    ``on_time`` is called with the part of the log that was played, 0 to 1.
-
-    Raises:
-        BusError: The log cannot be read.
-        UsageError: A topic or a time is wrong.
-        LcmtoolsError: The log is empty, or the program cannot be started.
-    """
-    if not has_supply():
-        provide_user_types()
-    notes: list[str] = []
-    with Playlist([log], Choice(), notes.append) as playlist:
-        result = _Rerunner(playlist, manner, on_time).result(str(log), program)
-    return replace(result, notes=(*notes, *result.notes))
 
 
 @explained
-def rerun(  # noqa: PLR0913 - each is a separate option
+def rerun(
     log: str | Path,
-    program: str | Sequence[str] | TestedPrograms,
-    *,
-    arguments: Sequence[str] = (),
-    inputs: Change | None = None,
-    outputs: Sequence[str] = (),
-    start: str | None = None,
-    end: str | None = None,
-    tolerance: float = Tolerance().absolute,
-    relative: float = Tolerance().relative,
-    against: str | Path | None = None,
-    rate: float | None = None,
-    timeout: float = 10.0,
-    twice: bool = False,
+    program: str | Sequence[str] | Tested,
+    on_time: Callable[[float], None] = lambda _: None,
+    **options: Any,  # noqa: ANN401 - of Manner
 ) -> Rerun:
     """Run a program with the messages of a log, and compare what it publishes with the log.
 
@@ -154,38 +80,20 @@ def rerun(  # noqa: PLR0913 - each is a separate option
     Args:
         log: The log.
         program: A class of nodes, of which one is made in this process; or a command line.
-        arguments: The command line of the node in this process.
-        inputs: Changes the inputs: a function of each ``Input`` that returns it as it is, changed,
-            at another time, several times, or None to lose it; or conditions as of ``bag filter``
-            by topics.
-        outputs: Topics to compare beside those that the program announces.
-        start: Begin at this time of the log: "10s", "end-1m".
-        end: End at this time.
-        tolerance: The largest difference of numbers that counts as none.
-        relative: The same as a part of their size.
-        against: A file with tolerances of topics and fields, as of ``bag check``.
-        rate: Play in real time at this rate; None for lock-step, if possible.
-        timeout: Time without an answer after which the program hangs [s].
-        twice: Run it twice, and compare both runs byte for byte.
+        on_time: Called with the part of the log that was played, 0 to 1.
+        **options: The fields of ``Manner``.
 
     Raises:
         BusError: The log cannot be read.
-        UsageError: An argument is wrong.
+        UsageError: An option is wrong.
         LcmtoolsError: The log is empty, or the program cannot be started.
     """
-    manner = Manner(
-        arguments=arguments,
-        change=inputs,
-        outputs=outputs,
-        start=None if start is None else parse_time(start),
-        end=None if end is None else parse_time(end),
-        tolerance=Tolerance(tolerance, relative),
-        contract=None if against is None else read_contract(against),
-        rate=rate,
-        timeout=timeout,
-        twice=twice,
-    )
-    return rerun_log(log, tested(program), manner)
+    if not has_supply():
+        provide_user_types()
+    notes: list[str] = []
+    with Playlist([log], Choice(), notes.append) as playlist:
+        rerunner = _Rerunner(playlist, Manner(**options), on_time)
+        return rerunner.result(str(log), tested(program), notes)
 
 
 class _Rerunner:
@@ -195,178 +103,142 @@ class _Rerunner:
         self, playlist: Playlist, manner: Manner, on_time: Callable[[float], None]
     ) -> None:
         self._playlist, self._manner, self._on_time = playlist, manner, on_time
-        self._window = time_window(playlist.span, manner.start, manner.end)
-        announced = playlist.announced()
-        self._decoder = Decoder(announced.types_of)
+        start, end = (
+            parse_time(one) if isinstance(one, str) else one for one in (manner.start, manner.end)
+        )
+        self._window = time_window(playlist.span, start, end)
+        self._decoder = Decoder(playlist.announced().types_of)
         self._tracks = {track.topic: track for track in playlist.tracks}
-        for topic in (*manner.inputs, *manner.outputs):
-            self._check_topic(topic)
-        nodes = announced.snapshot(0).nodes
-        self._latched = {end.topic for node in nodes for end in node.endpoints if end.latched}
+        self._contract = None if manner.against is None else read_contract(manner.against)
 
-    def result(self, log: str, program: TestedPrograms) -> Rerun:
+    def result(self, log: str, program: Tested, notes: list[str]) -> Rerun:
         """Run the program, and compare."""
         began = time.monotonic()
         run = self._run(program)
         duration = time.monotonic() - began
+        outputs = run.outputs() | set(self._manner.outputs)
+        now = run.by_topic(outputs)
+        was: dict[str, list[Compared]] = {}
+        for one in filter(run.is_own, self._playlist.messages(*self._window, outputs)):
+            was.setdefault(one.topic, []).append(Compared(one.time, bytes(one.payload)))
         trouble = [run.trouble] if run.trouble else []
-        trouble += run.errors
-        outputs = run.published_topics() | set(self._manner.outputs)
-        rerun = _by_topic(
-            (one.topic, Compared(one.time, one.payload, one.is_by_timer, one.cause, one.delay))
-            for one in run.outputs
-            if one.topic in outputs
-        )
-        if self._manner.twice and not run.trouble:
-            trouble += self._second(program, outputs, rerun)
+        if self._manner.twice and not trouble:
+            trouble += self._second(program, outputs, now)
+        topics = []
+        for topic in sorted(outputs & (was.keys() | now.keys())):
+            both, tolerance = (was.get(topic, []), now.get(topic, [])), self._tolerance(topic)
+            is_timed = not run.real_time
+            found = compare(topic, both, self._read, tolerance, judges_delay=is_timed)
+            found.is_judged = topic in self._tracks or topic in self._manner.outputs
+            topics.append(found)
+        if not trouble and not any(topic.is_judged for topic in topics):
+            trouble.append(self._idle(run))
+        notes += self._unserved(run)
         start, end = self._window
-        recorded = _by_topic(
-            (one.topic, Compared(one.time, bytes(one.payload)))
-            for one in self._playlist.messages(start, end, outputs)
-        )
-        topics = tuple(
-            self._compared(topic, recorded.get(topic, ()), rerun.get(topic, ()), run)
-            for topic in sorted(outputs & (recorded.keys() | rerun.keys()))
-        )
-        if not run.trouble:
-            trouble += self._idle(run, topics)
-        seconds = (end - start) / 1e9
-        notes = tuple(self._notes(run))
         return Rerun(
-            log,
-            named(program),
-            run,
-            topics,
-            tuple(trouble),
-            notes,
-            seconds,
-            duration,
-            start,
-            recorded,
-            rerun,
-            self._read,
+            log=log,
+            program=program.name,
+            run=run,
+            topics=topics,
+            trouble=[*trouble, *run.errors],
+            notes=notes,
+            seconds=(end - start) / 1e9,
+            duration=duration,
+            start=start,
+            recorded=was,
+            now=now,
+            read=self._read,
         )
 
-    def _run(self, program: TestedPrograms) -> Run:
+    def _run(self, program: Tested) -> Run:
         """Run the program once; a second time in real time if it is not one for lock-step."""
-        why = f"--rate {self._manner.rate:g}" if self._manner.rate is not None else ""
-        with PrivateBus() as bus:
-            variables = {"LCM_DEFAULT_URL": bus.url}
-            start = {} if why else {LOCKSTEP: str(self._start_of_clock())}
-            run, reason = self._session(bus, program, {**variables, **start}, why)
-        if reason:  # the nodes wait for simulated time that does not come by itself
-            with PrivateBus() as bus:
-                variables = {"LCM_DEFAULT_URL": bus.url}
-                run, _ = self._session(bus, program, variables, reason)
-        return run
+        rate = self._manner.rate
+        run = self._session(program, "" if rate is None else f"--rate {rate:g}")
+        # its nodes wait for simulated time, and get none in real time
+        return self._session(program, run.not_in_step) if run.not_in_step else run
 
-    def _session(
-        self, bus: PrivateBus, program: TestedPrograms, variables: Mapping[str, str], why: str
-    ) -> tuple[Run, str]:
-        """Return a run, and why it is to be done again in real time; ``why`` it is already."""
+    def _session(self, program: Tested, real_time: str) -> Run:
+        """Play the log to the program, in real time if there is a reason for that."""
         start, end = self._window
-        length = max(1, end - start)
         wishes = Wishes(
             start,
             self._manner.timeout,
-            self._manner.inputs,
+            self._manner.only,
             self._manner.outputs,
+            self._playlist.senders(),
             makes_clock=CLOCK_TOPIC not in self._tracks,
-            on_time=lambda now: self._on_time((now - start) / length),
+            on_time=lambda now: self._on_time((now - start) / max(1, end - start)),
         )
-        words = self._manner.arguments
-        with started(program, variables, words) as programs:
-            session = Session(bus, programs, wishes)
-            try:
-                reason = session.begin()
-                if reason and session.has_nodes and not why:
-                    return session.run, reason
-                session.run.real_time = why or reason
-                if session.run.real_time:
-                    rate = 1.0 if self._manner.rate is None else self._manner.rate
-                    now = time.monotonic_ns()
-                    session.real_time(Player(self._messages, self._window, rate=rate, now=now))
-                else:
-                    session.lockstep(self._messages(start, end), end)
-            except Stopped as stop:
-                session.run.trouble = str(stop)
-                session.run.last_lines = programs.last_lines()
-            else:
-                if session.run.errors:
-                    session.run.last_lines = programs.last_lines()
-            return session.run, ""
+        with PrivateBus() as bus:
+            lockstep = {} if real_time else {LOCKSTEP: str(self._start_of_clock())}
+            variables = {"LCM_DEFAULT_URL": bus.url, **lockstep}
+            with started(program, variables, self._manner.arguments) as programs:
+                session = Session(bus, programs, wishes)
+                run = session.run
+                try:
+                    reason = session.begin()
+                    run.real_time = real_time or reason
+                    if reason and session.has_nodes and not real_time:
+                        run.not_in_step = reason
+                    elif run.real_time:
+                        messages = self._messages(session.is_input)
+                        now, rate = time.monotonic_ns(), self._manner.rate or 1.0
+                        source = lambda *_: messages  # noqa: E731 - the player never seeks
+                        session.real_time(Player(source, self._window, rate=rate, now=now))
+                    else:
+                        session.lockstep(self._messages(session.is_input), end)
+                except Stopped as stop:
+                    run.trouble = str(stop)
+                if run.trouble or run.errors:
+                    run.last_lines = programs.last_lines()
+                return run
 
-    def _messages(self, start: int, end: int) -> Iterator[Played]:
-        """Return the messages to play: latched ones from before the start first."""
-        before = self._playlist.latest(self._latched, start - 1) if self._latched else []
-        earlier = (one._replace(time=start) for one in before)
-        found = self._playlist.messages(start, end)
-        if self._manner.change is not None:
-            found = self._changed(found)
-        yield from earlier
-        yield from found
+    def _messages(self, is_input: Callable[[Played], bool]) -> Iterator[Played]:
+        """Return the messages to play, those that were latched at the start first."""
+        found = self._playlist.played(*self._window)
+        return found if self._manner.inputs is None else self._changed(found, is_input)
 
-    def _changed(self, messages: Iterable[Played]) -> Iterator[Played]:
-        change = self._manner.change
-        if isinstance(change, Mapping):
-            change = _conditions(change)
+    def _changed(
+        self, messages: Iterable[Played], is_input: Callable[[Played], bool]
+    ) -> Iterator[Played]:
+        change = self._manner.inputs
+        change = _conditions(change) if isinstance(change, Mapping) else change
         assert change is not None
         found: list[Played] = []
         for one in messages:
-            try:
-                message = self._read(one.topic, one.payload)
-            except DecodeError:
-                found.append(one)
+            if not is_input(one):
                 continue
-            answer = change(Input(one.time, one.topic, message))
+            answer = change(Input(one.time, one.topic, self._read(one.topic, one.payload)))
             some = [answer] if isinstance(answer, Input) else list(answer or ())
             found += (Played(new.time, new.topic, encode(new.message)) for new in some)
         return iter(sorted(found, key=lambda one: one.time))
 
     def _start_of_clock(self) -> int:
         """Return the time at which nodes start: of the log, or of its own first ``/clock``."""
-        start, end = self._window
-        for one in self._playlist.messages(start, end, [CLOCK_TOPIC]):
+        for one in self._playlist.messages(*self._window, [CLOCK_TOPIC]):
             clock = decode(Clock, one.payload).clock
             return max(0, join_stamp(clock.sec, clock.nsec))
-        return max(0, start)
+        return max(0, self._window[0])
 
     def _second(
-        self,
-        program: TestedPrograms,
-        outputs: set[str],
-        first: Mapping[str, Sequence[Compared]],
+        self, program: Tested, outputs: set[str], first: Mapping[str, list[Compared]]
     ) -> list[str]:
         """Run the program a second time; return a sentence where the runs part."""
         run = self._run(program)
         if run.trouble:
             return [f"in the second run, {run.trouble}"]
-        second = _by_topic(
-            (one.topic, Compared(one.time, one.payload))
-            for one in run.outputs
-            if one.topic in outputs
-        )
+        second = run.by_topic(outputs)
         for topic in sorted(outputs):
-            one, other = first.get(topic, ()), second.get(topic, ())
-            place = part_of(one, other)
-            if place is not None:
-                at = next(each[place].time for each in (one, other) if place < len(each))
-                after = (at - self._window[0]) / 1e9
+            one, other = first.get(topic, []), second.get(topic, [])
+            if (place := part_of(one, other)) is not None:
+                moment = max(one, other, key=len)[place].time
+                after = (moment - self._window[0]) / 1e9
                 return [f"two runs part at message {place + 1} of {topic}, {after:.3f} s"]
         return []
 
-    def _compared(
-        self, topic: str, recorded: Sequence[Compared], rerun: Sequence[Compared], run: Run
-    ) -> TopicComparison:
-        tolerance = self._tolerance(topic)
-        found = compare(
-            topic, recorded, rerun, self._read, tolerance, judges_delay=not run.real_time
-        )
-        found.is_judged = topic in self._tracks or topic in self._manner.outputs
-        return found
-
     def _tolerance(self, topic: str) -> Tolerance:
-        usual, contract = self._manner.tolerance, self._manner.contract
+        manner, contract = self._manner, self._contract
+        usual = Tolerance(manner.tolerance, manner.relative, manner.delay)
         if contract is None:
             return usual
         terms = next(
@@ -378,58 +250,39 @@ class _Rerunner:
             limits.get("tolerance", usual.absolute),
             limits.get("relative", usual.relative),
             limits.get("delay", usual.delay),
-            terms.match == "order",
-            terms.fields,
+            is_by_order=terms.match == "order",
+            fields=terms.fields,
         )
 
-    def _idle(self, run: Run, topics: Sequence[TopicComparison]) -> Iterator[str]:
-        """Yield sentences on a program that heard or said nothing."""
-        if not run.inputs and not run.outputs:
-            wanted = _subscriptions(run)
-            hint = next(filter(None, map(self._near, wanted)), "")
-            names = ", ".join(sorted(wanted)) or "nothing"
-            more = f"; {hint}" if hint else ""
-            yield f"no message of the log was for the program, which subscribes to {names}{more}"
-        elif not any(topic.is_judged for topic in topics):
-            names = ", ".join(topic.topic for topic in topics) or "nothing"
-            yield f"there is nothing to compare: it published {names}, which the log does not have"
+    def _idle(self, run: Run) -> str:
+        """Return a sentence on a program that heard or said nothing that the log has."""
+        if run.published:
+            names = ", ".join(sorted({topic for topic, _ in run.published}))
+            return f"there is nothing to compare: it published {names}, which the log does not have"
+        wanted = run.subscriptions()
+        hint = "; ".join(filter(None, map(self._near, sorted(wanted))))
+        names = ", ".join(sorted(wanted)) or "nothing that is announced"
+        return f"it published nothing; it subscribes to {names}{hint and f'; {hint}'}"
 
-    def _notes(self, run: Run) -> Iterator[str]:
+    def _unserved(self, run: Run) -> Iterator[str]:
         """Yield sentences on subscriptions that the log does not serve."""
-        ends = {
-            end.topic: end.fingerprints
-            for node in run.announced.values()
-            for end in node.having(Role.SUBSCRIBER)
-        }
-        own = run.published_topics()
-        for topic in sorted(_subscriptions(run) - own):
-            track = self._tracks.get(topic)
-            if track is None:
-                hint = self._near(topic)
-                yield f"the log has no {topic}{f'; {hint}' if hint else ''}"
-            elif ends[topic] and track.fingerprint not in ends[topic]:
+        own = run.outputs()
+        for topic, numbers in sorted(run.subscriptions().items()):
+            track, hint = self._tracks.get(topic), self._near(topic)
+            if track is None and topic not in own:
+                yield f"the log has no {topic}{hint and f'; {hint}'}"
+            elif track and numbers and track.fingerprint not in numbers:
                 kind = track.type or "an unknown type"
                 yield f"{topic} has {kind} in the log, of another version than the program expects"
 
     def _near(self, topic: str) -> str:
-        """Return the topic of the log that is likely to be meant, as a question; "" for none."""
+        """Return which topic of the log is likely to be meant, as a question; "" for none."""
         ends = (one for one in self._tracks if base_name_of(one) == base_name_of(topic))
         near = did_you_mean(topic, self._tracks)
         return near or next((f"did you mean {one}?" for one in ends), "")
 
     def _read(self, topic: str, payload: bytes) -> Message:
         return self._decoder.decode(Packet(topic, payload, 0))
-
-    def _check_topic(self, topic: str) -> None:
-        if topic in self._manner.inputs and topic not in self._tracks:
-            from lcmtools.bag.edits import TopicChoice
-
-            TopicChoice([topic]).check(self._tracks)
-
-
-def _subscriptions(run: Run) -> set[str]:
-    ends = (end for node in run.announced.values() for end in node.having(Role.SUBSCRIBER))
-    return {end.topic for end in ends if end.topic != CLOCK_TOPIC and not is_hidden(end.topic)}
 
 
 def _conditions(expressions: Mapping[str, str]) -> Callable[[Input], Input | None]:
@@ -440,10 +293,3 @@ def _conditions(expressions: Mapping[str, str]) -> Callable[[Input], Input | Non
         return one if condition is None or condition.matches(one.message) else None
 
     return keep
-
-
-def _by_topic(messages: Iterable[tuple[str, Compared]]) -> dict[str, list[Compared]]:
-    found: dict[str, list[Compared]] = {}
-    for topic, one in messages:
-        found.setdefault(topic, []).append(one)
-    return found

@@ -8,14 +8,14 @@ before the next message of the log.
 
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from lcmtools.bag.player import Player
 from lcmtools.bag.playlist import Played
+from lcmtools.bag.rerunning.comparison import Compared
 from lcmtools.bag.rerunning.private_bus import Client, PrivateBus, Published
-from lcmtools.bag.rerunning.programs import RunningPrograms
+from lcmtools.bag.rerunning.programs import Programs
 from lcmtools.bus.step_bus import DONE_CHANNEL, STEP_CHANNEL
 from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.graph.common_topics import OF_EVERY_NODE
@@ -44,17 +44,6 @@ _MOST_ERRORS = 5
 _NOTHING = Played(0, "", b"")
 
 
-class Output(NamedTuple):
-    """A message that a program has published."""
-
-    time: int  # in the log [ns since 1970]
-    topic: str
-    payload: bytes
-    is_by_timer: bool
-    cause: int  # time in the log of the input that it followed
-    delay: int  # from that input, by the computer's clock [ns]
-
-
 class Stopped(Exception):  # noqa: N818 - named for what happened
     """The programs have ended, hang, or do not begin; the argument is a sentence."""
 
@@ -63,22 +52,49 @@ class Stopped(Exception):  # noqa: N818 - named for what happened
 class Run:
     """What happened while a log was played to programs."""
 
-    outputs: list[Output] = field(default_factory=list)
+    senders: Mapping[str, Collection[str]]  # of the topics of the log
+    published: list[tuple[str, Compared]] = field(default_factory=list)  # with the topics
     inputs: int = 0  # messages sent
     input_topics: set[str] = field(default_factory=set)
     announced: dict[str, Node] = field(default_factory=dict)  # nodes by their ids
-    errors: list[str] = field(default_factory=list)  # lines that nodes logged as errors
+    errors: list[str] = field(default_factory=list)  # what nodes logged as errors
     trouble: str = ""  # why it did not come to its end
-    last_lines: tuple[str, ...] = ()
+    last_lines: list[str] = field(default_factory=list)
     real_time: str = ""  # why it was not in lock-step; "" if it was
-    unprompted: int = 0  # messages that were published on nobody's request
+    not_in_step: str = ""  # why nodes must start again without lock-step
+    unprompted: int = 0  # messages that were published while no step was being done
     lateness: list[int] = field(default_factory=list)  # of the inputs in real time [ns]
 
-    def published_topics(self) -> set[str]:
+    def outputs(self) -> set[str]:
         """Return the topics that the programs announce as theirs, or have published."""
         ends = (end for node in self.announced.values() for end in node.having(Role.PUBLISHER))
-        found = {end.topic for end in ends} | {one.topic for one in self.outputs}
+        found = {end.topic for end in ends} | {topic for topic, _ in self.published}
         return {topic for topic in found - OF_EVERY_NODE if not is_hidden(topic)}
+
+    def subscriptions(self) -> dict[str, Collection[int]]:
+        """Return the announced subscriptions, each with the fingerprints that it accepts."""
+        nodes = self.announced.values()
+        ends = (end for node in nodes for end in node.having(Role.SUBSCRIBER))
+        visible = (end for end in ends if end.topic != CLOCK_TOPIC and not is_hidden(end.topic))
+        return {end.topic: end.fingerprints for end in visible}
+
+    def is_own(self, message: Played) -> bool:
+        """Return whether the programs published a message of their topics when it was recorded.
+
+        If the log has several senders of the topic, and one of them is now tested, names tell.
+        """
+        senders = self.senders.get(message.topic, ())
+        names = {node.name for node in self.announced.values()}
+        is_shared = len(senders) > 1 and not names.isdisjoint(senders)
+        return not is_shared or message.sender in names
+
+    def by_topic(self, topics: Collection[str]) -> dict[str, list[Compared]]:
+        """Return what was published on some topics."""
+        found: dict[str, list[Compared]] = {}
+        for topic, one in self.published:
+            if topic in topics:
+                found.setdefault(topic, []).append(one)
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +103,9 @@ class Wishes:
 
     start: int  # time of the log at which it begins [ns since 1970]
     timeout: float = 10.0  # [s] without an answer after which programs hang
-    inputs: Collection[str] = ()  # the only topics that are played; none for all
+    only: Collection[str] = ()  # the only topics that are played; none for all
     outputs: Collection[str] = ()  # topics that are not played, beside those of the programs
+    senders: Mapping[str, Collection[str]] = field(default_factory=dict)  # of the log's topics
     makes_clock: bool = True  # False if the log has /clock itself
     on_time: Callable[[int], None] = lambda _: None  # called with the time in the log
 
@@ -99,8 +116,8 @@ class Session:
     All raise Stopped.
     """
 
-    def __init__(self, bus: PrivateBus, programs: RunningPrograms, wishes: Wishes) -> None:
-        self.run = Run()
+    def __init__(self, bus: PrivateBus, programs: Programs, wishes: Wishes) -> None:
+        self.run = Run(wishes.senders)
         self._bus, self._programs, self._wishes = bus, programs, wishes
         self._number = 0  # of the step
         self._asked: dict[Client, int] = {}  # the last step of each
@@ -146,7 +163,7 @@ class Session:
     def lockstep(self, messages: Iterator[Played], end: int) -> None:
         """Play messages, each when the one before has been handled; timers run up to ``end``."""
         for message in messages:
-            if self._is_input(message.topic):
+            if self.is_input(message):
                 self._run_timers(message.time)
                 self._count(message)
                 self._pass(message)
@@ -159,7 +176,7 @@ class Session:
             now = time.monotonic_ns()
             late = player.time(now)
             message = player.pop_due(now)
-            if message and self._is_input(message.topic):
+            if message and self.is_input(message):
                 self._count(message)
                 self.run.lateness.append(max(0, late - message.time))
                 sent = now
@@ -176,7 +193,7 @@ class Session:
             last = time.monotonic() if found else last
 
     def _is_ready(self) -> bool:
-        is_complete = len(self._bus.clients) >= max(1, len(self._programs))
+        is_complete = len(self._bus.clients) >= self._programs.count
         return is_complete and self._answers.keys() == self._asked.keys()
 
     def _ask(self, clients: Collection[Client], message: Played = _NOTHING) -> None:
@@ -189,7 +206,7 @@ class Session:
 
     def _not_ready(self) -> str:
         within = f"within {self._wishes.timeout:g} s"
-        if len(self._bus.clients) < max(1, len(self._programs)):
+        if len(self._bus.clients) < self._programs.count:
             how = "its own LCM URL instead of LCM_DEFAULT_URL, as lcm_create(NULL) does, may be why"
             return f"the program did not connect to the bus {within}; {how}"
         return f"the program did not begin to handle messages {within} (lcmtools.spin)"
@@ -284,16 +301,15 @@ class Session:
         if said:
             one.client.name = one.client.name or said.node.name
             self.run.announced[said.node.id] = said.node
-            self._seen |= self.run.published_topics()
+            self._seen |= self.run.outputs()
 
     def _keep(
         self, found: Collection[Published], at: int, began: int = 0, *, is_by_timer: bool = False
     ) -> None:
         delay = time.monotonic_ns() - began if began else 0
         for one in found:
-            self.run.outputs.append(
-                Output(at, one.channel, one.payload, is_by_timer, self._cause, delay)
-            )
+            made = Compared(at, one.payload, is_by_timer, self._cause, delay)
+            self.run.published.append((one.channel, made))
             if one.channel not in OF_EVERY_NODE:
                 self._seen.add(one.channel)
             elif one.channel != CLOCK_TOPIC and len(self.run.errors) < _MOST_ERRORS:
@@ -309,11 +325,12 @@ class Session:
         self.run.input_topics.add(message.topic)
         self._wishes.on_time(message.time)
 
-    def _is_input(self, topic: str) -> bool:
-        wanted = self._wishes.inputs
-        if topic in self._seen or (wanted and topic not in wanted):
+    def is_input(self, message: Played) -> bool:
+        """Return whether a message of the log is played to the programs."""
+        topic, wanted = message.topic, self._wishes.only
+        if (wanted and topic not in wanted) or not self._receivers(topic):
             return False
-        return any(client.wants(topic) for client in self._bus.clients)
+        return topic not in self._seen or not self.run.is_own(message)
 
     def _receivers(self, topic: str) -> list[Client]:
         return [client for client in self._bus.clients if client.wants(topic)]

@@ -1,19 +1,16 @@
 """``lcmtools bag rerun``."""
 
 import os
-from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
-from lcmtools.bag.contract import read_contract
-from lcmtools.bag.rerunning.comparison import Tolerance
-from lcmtools.bag.rerunning.programs import Command, Program
-from lcmtools.bag.rerunning.rerun import Manner, rerun_log
+from lcmtools.bag.rerunning.programs import Program, Tested, tested
+from lcmtools.bag.rerunning.rerun import rerun
 from lcmtools.bag.rerunning.rerun_report import draw, record, rows
 from lcmtools.bag.rerunning.rerun_report import junit as junit_of
 from lcmtools.bag.rerunning.rerun_report import save as save_log
-from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import force_option, window_options
 from lcmtools.cli.declare import argument, duration, examples, flag, option, rate, subcommand
 from lcmtools.cli.options import json_option
@@ -50,7 +47,7 @@ def _limit(value: str | float) -> float:
 @option("--launch", metavar="FILE", completer="files", help="Run the nodes of a launch file.")
 @option(
     "--input",
-    "inputs",
+    "only",
     multiple=True,
     metavar="TOPIC",
     completer="logs:topics",
@@ -71,7 +68,7 @@ def _limit(value: str | float) -> float:
 @option("--against", metavar="CONTRACT", completer="files", help="A YAML file with tolerances.")
 @flag("--twice", help="Run it twice, and compare both runs byte for byte.")
 @option("--rate", type=rate, help="Play in real time at this rate, not in lock-step.")
-@option("--timeout", type=duration, default=10.0, help="Time after which it hangs (else 10s).")
+@option("--timeout", type=duration, help="Time after which it hangs (else 10s).")
 @option("--junit", type=click.Path(path_type=Path), metavar="FILE", help="Write JUnit's XML.")
 @option("--save", metavar="OUT", completer="files", help="Write a log with the new outputs.")
 @option("--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw what differs.")
@@ -81,23 +78,13 @@ def command(
     program: tuple[str, ...],
     *,
     launch: str | None,
-    inputs: tuple[str, ...],
-    outputs: tuple[str, ...],
-    start: LogTime | None,
-    end: LogTime | None,
-    tolerance: float | None,
-    relative: float | None,
-    delay: float | None,
-    against: str | None,
-    twice: bool,
-    rate: float | None,
-    timeout: float,
     junit: Path | None,
     save: str | None,
     plot: Path | None,
     quiet: bool,
     force: bool,
     as_json: bool,
+    **manner: Any,  # noqa: ANN401 - of Manner
 ) -> int:
     """Run a program with a recording, and compare what it publishes with what was recorded.
 
@@ -111,48 +98,32 @@ def command(
     """
     if plot:
         check_suffix(plot)
-    usual = Tolerance()
-    manner = Manner(
-        rate=rate,
-        start=start,
-        end=end,
-        inputs=inputs,
-        outputs=outputs,
-        timeout=timeout,
-        twice=twice,
-        contract=read_contract(against) if against else None,
-        tolerance=replace(
-            usual,
-            absolute=usual.absolute if tolerance is None else tolerance,
-            relative=usual.relative if relative is None else relative,
-            delay=usual.delay if delay is None else delay,
-        ),
-    )
-    programs = _programs(program, launch)
+    typed = {name: value for name, value in manner.items() if value is not None}
     with StatusLine("lcmtools bag rerun", is_quiet=quiet) as line:
-        result = rerun_log(
+        result = rerun(
             file,
-            programs,
-            manner,
+            _programs(program, launch),
             lambda part: line.write(f"{file}: {100 * part:.0f} %"),
+            **typed,
         )
         line.clear()
     if save:
         save_log(result, save, force=force)
     if junit:
         write_whole(junit, junit_of(result))
-    if plot and not result.is_equal:
+    if plot and not result:
         draw(result, plot)
     write_result(record(result), rows(result), as_json=as_json)
-    return 0 if result.is_equal else 1
+    return 0 if result else 1
 
 
-def _programs(words: tuple[str, ...], launch: str | None) -> list[Program]:
+def _programs(words: tuple[str, ...], launch: str | None) -> Tested:
     """Return the programs to run; UsageError unless there is either a command or a launch file."""
     if launch is None:
         if not words:
             raise UsageError("the program is missing", "write it after --, or --launch FILE")
-        return [Command(words)]
+        return tested(words)
     typed = read_words([launch, *words], None, usual_namespace(os.environ))
     files = [read_file(path) for path in find_files(typed.places)]
-    return list(make_plan(files, typed.arguments, typed.namespace, os.environ).nodes)
+    nodes = make_plan(files, typed.arguments, typed.namespace, os.environ).nodes
+    return Tested([Program(one.name, one.command, one.environment, one.directory) for one in nodes])

@@ -125,7 +125,7 @@ def read(_topic: str, payload: bytes) -> Message:
 
 
 def compared(was: list[Compared], now: list[Compared], **more: bool) -> TopicComparison:
-    return compare("/x", was, now, read, Tolerance(), **more)
+    return compare("/x", (was, now), read, Tolerance(), **more)
 
 
 _TEN = [(n / 10, float(n)) for n in range(10)]
@@ -160,10 +160,10 @@ def test_messages_are_matched_by_stamp_where_they_have_one() -> None:
         return Compared(second, encode(stamp))
 
     was, now = ([stamped(n) for n in some] for some in ((1, 2, 3, 3), (1, 3, 3, 4)))
-    result = compare("/x", was, now, lambda _, data: decode(JointState, data), Tolerance())
+    result = compare("/x", (was, now), lambda _, data: decode(JointState, data), Tolerance())
     assert (result.matched, result.missing, result.extra) == (3, [2], [4])
     by_order = Tolerance(is_by_order=True)
-    result = compare("/x", was, now, lambda _, data: decode(JointState, data), by_order)
+    result = compare("/x", (was, now), lambda _, data: decode(JointState, data), by_order)
     assert (result.matched, result.missing) == (4, [])
 
 
@@ -184,8 +184,8 @@ def test_messages_that_cannot_be_decoded_are_compared_by_their_bytes() -> None:
         raise DecodeError("unknown type, fingerprint 0x1")
 
     was, now = [Compared(1, b"a")], [Compared(1, b"b")]
-    assert compare("/x", was, was, refuse, Tolerance()).is_equal
-    assert compare("/x", was, now, refuse, Tolerance()).trouble.startswith("unknown type")
+    assert compare("/x", (was, was), refuse, Tolerance()).is_equal
+    assert compare("/x", (was, now), refuse, Tolerance()).trouble.startswith("unknown type")
 
 
 def test_two_runs_part_where_bytes_or_times_differ() -> None:

@@ -181,6 +181,7 @@ EVIDENCE = {
     "slow-callbacks": graph(TALKER, BUSY._replace(busy=SECOND)),
     "slow-rate": SLOWED,
     "slow-simulator": replace(GOOD, clock=SimulatedClock("/sim", 0.5, busy=0.99)),
+    "refused-filters": replace(GOOD, listeners=(Listener("/ear", 8, 1000, is_unfiltered=True),)),
     "small-buffer": replace(
         GOOD,
         streams=(replace(EVEN, largest=300_000),),

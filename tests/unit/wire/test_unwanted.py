@@ -2,8 +2,8 @@
 
 import pytest
 
-from lcmtools.bus import unwanted
-from lcmtools.bus.unwanted import UnwantedMessages
+from lcmtools.wire import reassembly
+from lcmtools.wire.reassembly import UnwantedMessages
 
 _IMAGES = 4000, 921_600
 _MS = 1_000_000
@@ -74,7 +74,7 @@ def test_other_channels_begin_anew() -> None:
 
 
 def test_strangers_fill_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(unwanted, "_MOST_COUNTED", 10)
+    monkeypatch.setattr(reassembly, "_MOST_COUNTED", 10)
     messages = UnwantedMessages()
     for number in range(100):
         messages.note(number, number, 0)
