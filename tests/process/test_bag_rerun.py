@@ -17,6 +17,7 @@ from fixtures.says import assert_says
 import lcmtools.bag
 from lcmtools import Node
 from lcmtools.bag.writer import LogWriter
+from lcmtools.errors import UsageError
 from lcmtools.packages.cpp import compiler_flags
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.processes.reaper import is_gone
@@ -377,8 +378,12 @@ def test_a_log_that_cannot_be_used_is_refused(log: str, tmp_path: Path, cli: Cli
     (tmp_path / "empty.lcmlog").touch()
     program = ("--", sys.executable, str(_NODE))
     assert_says(cli("bag", "rerun", str(tmp_path / "empty.lcmlog"), *program).err, "it is empty")
-    done = cli("bag", "rerun", log)
-    assert (done.code, "the program is missing" in done.err) == (2, True)
+    done = cli("bag", "rerun", log, "--input", "/inn", *program)
+    assert_says(done.err, "there is no topic /inn in the log; did you mean /in?")
+    done = cli("bag", "rerun", log, "--", "./nothere")
+    assert_says(done.err, "cannot start ./nothere: No such file or directory")
+    with pytest.raises(UsageError):
+        lcmtools.bag.rerun(log, Float64)  # type: ignore[arg-type]
 
 
 def test_another_version_of_a_type_is_noted(rerun: Rerun, tmp_path: Path) -> None:
