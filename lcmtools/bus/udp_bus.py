@@ -95,12 +95,14 @@ class UdpBus(ReceivingBus):
         try:
             if (
                 right.is_taken
+                or not right.is_lendable
                 or right.leader != thread
                 or right.wakeup.is_set
                 or wakeup.is_set
                 or (timeout is not None and timeout < _GAP)
                 or not self._read_one(0)
             ):
+                right.is_away = True
                 super().wait(wakeup, timeout)
         finally:  # as ``leave``, without a call
             right.is_away = True
