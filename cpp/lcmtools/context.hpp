@@ -22,7 +22,7 @@
 
 #include "lcmtools/bus.hpp"
 #include "lcmtools/endpoint.hpp"
-#include "lcmtools/record.hpp"
+#include "lcmtools.h"
 
 namespace lcmtools {
 
@@ -71,7 +71,7 @@ class Context {
     host_ = name;
     const auto url = choose_url(arguments);
     lcm_.reset(open_bus(url));
-    records_ = record_folder(url);
+    if (!lcmtools_make_folder(records_, sizeof records_, url.c_str())) *records_ = '\0';
     is_lendable_ = url.compare(0, 4, "tcpq") != 0;  // its lcm_handle waits for the rest of a message
     subscribe("/_lcmtools/probe", [this](auto data, auto size) { take_probe(data, size); });
     subscribe("/_lcmtools/shutdown", [this](auto data, auto size) { take_shutdown(data, size); });
@@ -198,7 +198,7 @@ class Context {
     lock.unlock();
     goodbye.state = wire::Announcement::LEAVING;
     publish(node_channel, goodbye);
-    remove_record(records_, participant->id);
+    lcmtools_remove_record(records_, participant->id.c_str());
   }
 
   // Answer the step of a recording that is played to this program in lock-step (bag rerun): nothing is
@@ -417,7 +417,7 @@ class Context {
     message.command = command, message.software = std::string("lcmtools C++ ") + version;
     message.start_time = node.start_time, message.sent = system_now();
     wire::NodeDetails details, constant;  // the second without counters
-    details.pid_namespace = own_namespace("pid");
+    details.pid_namespace = lcmtools_namespace("/proc/self/ns/pid");
     details.busy = node.timed.busy + node.timed.current();
     for (const auto& end : node.ends) {
       if (end->is_closed) continue;
@@ -440,10 +440,17 @@ class Context {
   }
 
   void record(Participant& node, const wire::Announcement& described) {
-    if (std::exchange(node.recorded, described.revision) == described.revision) return;
-    std::vector<wire::Endpoint> ends;
-    for (const auto& end : node.ends) ends.push_back(end->record);
-    write_record(records_, described, ends);
+    if (!*records_ || std::exchange(node.recorded, described.revision) == described.revision) return;
+    lcmtools_announcer file = {};  // only what is recorded
+    const auto copy = [](char* field, std::size_t room, const std::string& text) { text.copy(field, room - 1); };
+    copy(file.name, sizeof file.name, node.name), copy(file.id, sizeof file.id, node.id);
+    copy(file.host, sizeof file.host, host_), copy(file.command, sizeof file.command, command);
+    copy(file.folder, sizeof file.folder, records_);
+    file.start_time = node.start_time;
+    for (const auto& end : node.ends)
+      if (end->record.role <= wire::SUBSCRIBER) lcmtools_add_topic(&file, end->record.topic.c_str(), end->record.role);
+    lcmtools_write_record(&file);
+    for (const auto& topics : file.topics) std::free(topics.data);
   }
 
   void take_probe(const std::uint8_t* data, std::size_t size) {
@@ -499,7 +506,8 @@ class Context {
   std::atomic<unsigned> turns_{0};  // of other threads that received
   unsigned seen_turns_ = 0;
   bool is_lendable_ = true;
-  std::string host_, records_;
+  std::string host_;
+  char records_[512] = "";  // the folder of the records of running nodes
   std::thread thread_;
   std::mutex sending_;  // before `mutex`
   std::vector<std::shared_ptr<Participant>> participants_;

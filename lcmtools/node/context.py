@@ -214,14 +214,14 @@ class Context:
             if self._records:
                 self._records.remove(node.id)
 
-    def idle_server(self, service: str) -> str:
-        """Return the node here that has a service, if no thread but the calling one spins it."""
+    def server(self, service: str, *threads: int | None) -> str:
+        """Return the node here that has a service and that one of these threads spins, else "".
+
+        None is no thread.
+        """
         for node in tuple(self._participants):
             services = [one.name for one in tuple(node.callbacks.services)]
-            if service in services and node.callbacks.spinning_thread in (
-                None,
-                threading.get_ident(),
-            ):
+            if service in services and node.callbacks.spinning_thread in threads:
                 return node.name
         return ""
 

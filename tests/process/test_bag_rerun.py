@@ -25,7 +25,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Float64, Header, String
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
 
 Cli = Callable[..., Result]
 _NODE = Path(__file__).parent / "programs/played_to.py"
@@ -176,6 +176,19 @@ def test_an_output_that_the_program_subscribes_to_later_is_passed_on(
     log = written(tmp_path / "e.lcmlog", inputs() + outputs() + echo)
     code, report = rerun("_subscribe_at:=5", log=log, options=("--twice",))
     assert (code, topic(report, "/echo")["matched"]) == (0, _COUNT - 4), report
+
+
+def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "shared.lcmlog") as log:
+        names = ("/doubler", "/other")
+        own, other = (log.sender_number(Sender("10.0.0.1", n), one) for n, one in enumerate(names))
+        log.add(*inputs(1))
+        log.add(*outputs(1), own)
+        for packet in inputs(topic="/out")[1:]:
+            log.add(packet, other)
+    code, report = rerun("_subscribe_at:=1", log=str(tmp_path / "shared.lcmlog"))
+    assert (code, report["inputs"]) == (0, _COUNT)
+    assert (topic(report)["recorded"], topic(report)["matched"]) == (1, 1)
 
 
 def test_a_thread_that_publishes_by_itself_is_played_to_in_real_time(rerun: Rerun) -> None:
