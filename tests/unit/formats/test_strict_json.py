@@ -46,7 +46,7 @@ def test_indented_json_has_a_line_for_each_value() -> None:
 
 # Files that lcmtools itself reads again, keys, and quoted texts: no reader sees a number of theirs.
 PRIVATE = {
-    "bus/recent_channels.py",
+    "cli/completion/recent_channels.py",
     "bag/tables.py",  # rows of a table in a temporary file
     "bus/records.py",
     "bus/zenoh/opening.py",
