@@ -72,6 +72,7 @@ class Played(NamedTuple):
     time: int  # time of recording [ns since 1970]; after a step back in the log, later
     topic: str
     payload: bytes
+    sender: str = ""  # the name of its sender; "" if unknown
 
 
 class _ContinuousLog(LogFile):
@@ -209,6 +210,20 @@ class Playlist(AbstractContextManager["Playlist"]):
         in_order = sorted(found.values(), key=lambda one: one.time)
         return [Played(one.time, topics[one.channel], one.payload) for one in in_order]
 
+    def senders(self) -> dict[str, set[str]]:
+        """Return the names of each topic's senders, as far as they are known."""
+        found: dict[str, set[str]] = {track.topic: set() for track in self.tracks}
+        topics = {track.channel: track.topic for track in self.tracks}
+        for log, blocks in self._logs:
+            for block in blocks:
+                for channel in block.channels.keys() & topics.keys():
+                    numbers = (number for number, _ in block.channels[channel].senders)
+                    known = (
+                        log.senders[number].name for number in numbers if number in log.senders
+                    )
+                    found[topics[channel]].update(known)
+        return found
+
     def untold(self) -> Iterator[str]:
         """Yield a sentence on each log that does not tell what was latched."""
         for (log, _), latched in zip(self._logs, self._latched, strict=True):
@@ -309,10 +324,11 @@ def _messages(
             continue
         if topics.keys().isdisjoint(block.channels):
             continue
-        for event in log.events(block.start, block.end):
+        for event, sender in log.of_block(block, block.start):
             topic = topics.get(event.channel)
             if topic is not None and start <= event.time <= end:
-                yield Played(event.time, topic, log.data[event.payload_start : event.end])
+                payload = log.data[event.payload_start : event.end]
+                yield Played(event.time, topic, payload, sender.name if sender else "")
 
 
 def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:

@@ -74,8 +74,9 @@ class StepBus(ReceivingBus):
         except OSError:
             data = b""
         self._has_ended = not data
-        for frame in self._reader.read(data):
-            self._is_in_step = self._is_in_step or frame.name == STEP_CHANNEL
+        frames = list(self._reader.read(data))
+        self._is_in_step = self._is_in_step or any(one.name == STEP_CHANNEL for one in frames)
+        for frame in frames:
             self._dispatch(frame.name, tcpq.payload_of(frame))
         return 1
 

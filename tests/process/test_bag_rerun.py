@@ -17,6 +17,7 @@ from fixtures.says import assert_says
 import lcmtools.bag
 from lcmtools import Node
 from lcmtools.bag.writer import LogWriter
+from lcmtools.errors import UsageError
 from lcmtools.packages.cpp import compiler_flags
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.processes.reaper import is_gone
@@ -25,7 +26,7 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Float64, Header, String
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.packet import Packet, Sender
 
 Cli = Callable[..., Result]
 _NODE = Path(__file__).parent / "programs/played_to.py"
@@ -176,6 +177,19 @@ def test_an_output_that_the_program_subscribes_to_later_is_passed_on(
     log = written(tmp_path / "e.lcmlog", inputs() + outputs() + echo)
     code, report = rerun("_subscribe_at:=5", log=log, options=("--twice",))
     assert (code, topic(report, "/echo")["matched"]) == (0, _COUNT - 4), report
+
+
+def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_path: Path) -> None:
+    with LogWriter(tmp_path / "shared.lcmlog") as log:
+        names = ("/doubler", "/other")
+        own, other = (log.sender_number(Sender("10.0.0.1", n), one) for n, one in enumerate(names))
+        log.add(*inputs(1))
+        log.add(*outputs(1), own)
+        for packet in inputs(topic="/out")[1:]:
+            log.add(packet, other)
+    code, report = rerun("_subscribe_at:=1", log=str(tmp_path / "shared.lcmlog"))
+    assert (code, report["inputs"]) == (0, _COUNT)
+    assert (topic(report)["recorded"], topic(report)["matched"]) == (1, 1)
 
 
 def test_a_thread_that_publishes_by_itself_is_played_to_in_real_time(rerun: Rerun) -> None:
@@ -364,8 +378,12 @@ def test_a_log_that_cannot_be_used_is_refused(log: str, tmp_path: Path, cli: Cli
     (tmp_path / "empty.lcmlog").touch()
     program = ("--", sys.executable, str(_NODE))
     assert_says(cli("bag", "rerun", str(tmp_path / "empty.lcmlog"), *program).err, "it is empty")
-    done = cli("bag", "rerun", log)
-    assert (done.code, "the program is missing" in done.err) == (2, True)
+    done = cli("bag", "rerun", log, "--input", "/inn", *program)
+    assert_says(done.err, "there is no topic /inn in the log; did you mean /in?")
+    done = cli("bag", "rerun", log, "--", "./nothere")
+    assert_says(done.err, "cannot start ./nothere: No such file or directory")
+    with pytest.raises(UsageError):
+        lcmtools.bag.rerun(log, Float64)  # type: ignore[arg-type]
 
 
 def test_another_version_of_a_type_is_noted(rerun: Rerun, tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from lcmtools.bag.contract import TopicTerms, read_contract
+from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.player import Player
 from lcmtools.bag.playlist import Choice, Played, Playlist
 from lcmtools.bag.rerunning.comparison import Compared, Tolerance, compare, part_of
@@ -109,6 +110,7 @@ class _Rerunner:
         self._window = time_window(playlist.span, start, end)
         self._decoder = Decoder(playlist.announced().types_of)
         self._tracks = {track.topic: track for track in playlist.tracks}
+        TopicChoice(manner.only).check(self._tracks)
         self._contract = None if manner.against is None else read_contract(manner.against)
 
     def result(self, log: str, program: Tested, notes: list[str]) -> Rerun:
@@ -119,7 +121,7 @@ class _Rerunner:
         outputs = run.outputs() | set(self._manner.outputs)
         now = run.by_topic(outputs)
         was: dict[str, list[Compared]] = {}
-        for one in self._playlist.messages(*self._window, outputs):
+        for one in filter(run.is_own, self._playlist.messages(*self._window, outputs)):
             was.setdefault(one.topic, []).append(Compared(one.time, bytes(one.payload)))
         trouble = [run.trouble] if run.trouble else []
         if self._manner.twice and not trouble:
@@ -165,6 +167,7 @@ class _Rerunner:
             self._manner.timeout,
             self._manner.only,
             self._manner.outputs,
+            self._playlist.senders(),
             makes_clock=CLOCK_TOPIC not in self._tracks,
             on_time=lambda now: self._on_time((now - start) / max(1, end - start)),
         )
@@ -192,25 +195,20 @@ class _Rerunner:
                     run.last_lines = programs.last_lines()
                 return run
 
-    def _messages(self, is_input: Callable[[str], bool]) -> Iterator[Played]:
-        """Return the messages to play: the last latched ones from before the start first."""
-        start, end = self._window
-        nodes = self._playlist.announced().snapshot(0).nodes
-        latched = {one.topic for node in nodes for one in node.endpoints if one.latched}
-        before = self._playlist.latest(latched, start - 1) if latched else []
-        yield from (one._replace(time=start) for one in before)
-        found = self._playlist.messages(start, end)
-        yield from found if self._manner.inputs is None else self._changed(found, is_input)
+    def _messages(self, is_input: Callable[[Played], bool]) -> Iterator[Played]:
+        """Return the messages to play, those that were latched at the start first."""
+        found = self._playlist.played(*self._window)
+        return found if self._manner.inputs is None else self._changed(found, is_input)
 
     def _changed(
-        self, messages: Iterable[Played], is_input: Callable[[str], bool]
+        self, messages: Iterable[Played], is_input: Callable[[Played], bool]
     ) -> Iterator[Played]:
         change = self._manner.inputs
         change = _conditions(change) if isinstance(change, Mapping) else change
         assert change is not None
         found: list[Played] = []
         for one in messages:
-            if not is_input(one.topic):
+            if not is_input(one):
                 continue
             answer = change(Input(one.time, one.topic, self._read(one.topic, one.payload)))
             some = [answer] if isinstance(answer, Input) else list(answer or ())

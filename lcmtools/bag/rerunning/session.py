@@ -8,7 +8,7 @@ before the next message of the log.
 
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from lcmtools.bag.player import Player
@@ -52,6 +52,7 @@ class Stopped(Exception):  # noqa: N818 - named for what happened
 class Run:
     """What happened while a log was played to programs."""
 
+    senders: Mapping[str, Collection[str]]  # of the topics of the log
     published: list[tuple[str, Compared]] = field(default_factory=list)  # with the topics
     inputs: int = 0  # messages sent
     input_topics: set[str] = field(default_factory=set)
@@ -77,6 +78,16 @@ class Run:
         visible = (end for end in ends if end.topic != CLOCK_TOPIC and not is_hidden(end.topic))
         return {end.topic: end.fingerprints for end in visible}
 
+    def is_own(self, message: Played) -> bool:
+        """Return whether the programs published a message of their topics when it was recorded.
+
+        If the log has several senders of the topic, and one of them is now tested, names tell.
+        """
+        senders = self.senders.get(message.topic, ())
+        names = {node.name for node in self.announced.values()}
+        is_shared = len(senders) > 1 and not names.isdisjoint(senders)
+        return not is_shared or message.sender in names
+
     def by_topic(self, topics: Collection[str]) -> dict[str, list[Compared]]:
         """Return what was published on some topics."""
         found: dict[str, list[Compared]] = {}
@@ -92,8 +103,9 @@ class Wishes:
 
     start: int  # time of the log at which it begins [ns since 1970]
     timeout: float = 10.0  # [s] without an answer after which programs hang
-    inputs: Collection[str] = ()  # the only topics that are played; none for all
+    only: Collection[str] = ()  # the only topics that are played; none for all
     outputs: Collection[str] = ()  # topics that are not played, beside those of the programs
+    senders: Mapping[str, Collection[str]] = field(default_factory=dict)  # of the log's topics
     makes_clock: bool = True  # False if the log has /clock itself
     on_time: Callable[[int], None] = lambda _: None  # called with the time in the log
 
@@ -105,7 +117,7 @@ class Session:
     """
 
     def __init__(self, bus: PrivateBus, programs: Programs, wishes: Wishes) -> None:
-        self.run = Run()
+        self.run = Run(wishes.senders)
         self._bus, self._programs, self._wishes = bus, programs, wishes
         self._number = 0  # of the step
         self._asked: dict[Client, int] = {}  # the last step of each
@@ -151,7 +163,7 @@ class Session:
     def lockstep(self, messages: Iterator[Played], end: int) -> None:
         """Play messages, each when the one before has been handled; timers run up to ``end``."""
         for message in messages:
-            if self.is_input(message.topic):
+            if self.is_input(message):
                 self._run_timers(message.time)
                 self._count(message)
                 self._pass(message)
@@ -164,7 +176,7 @@ class Session:
             now = time.monotonic_ns()
             late = player.time(now)
             message = player.pop_due(now)
-            if message and self.is_input(message.topic):
+            if message and self.is_input(message):
                 self._count(message)
                 self.run.lateness.append(max(0, late - message.time))
                 sent = now
@@ -313,12 +325,12 @@ class Session:
         self.run.input_topics.add(message.topic)
         self._wishes.on_time(message.time)
 
-    def is_input(self, topic: str) -> bool:
-        """Return whether a topic of the log is played to the programs."""
-        wanted = self._wishes.inputs
-        if topic in self._seen or (wanted and topic not in wanted):
+    def is_input(self, message: Played) -> bool:
+        """Return whether a message of the log is played to the programs."""
+        topic, wanted = message.topic, self._wishes.only
+        if (wanted and topic not in wanted) or not self._receivers(topic):
             return False
-        return any(client.wants(topic) for client in self._bus.clients)
+        return topic not in self._seen or not self.run.is_own(message)
 
     def _receivers(self, topic: str) -> list[Client]:
         return [client for client in self._bus.clients if client.wants(topic)]

@@ -94,7 +94,7 @@ class LogFile(AbstractContextManager["LogFile"]):
         """Yield the places of the events from a byte on, with their senders as in ``packets``."""
         for block in self.index.blocks:
             if block.end > start:
-                yield from self._of_block(block, start)
+                yield from self.of_block(block, start)
         for event in self.events(max(start, self.index.end)):
             yield event, None
 
@@ -171,7 +171,7 @@ class LogFile(AbstractContextManager["LogFile"]):
             senders = {self.senders.get(number) for count, _ in some for number, _ in count.senders}
             last: dict[Sender | None, Event] = {}
             for _, block in sorted(some, key=lambda one: one[0].last_time, reverse=True):
-                for event, sender in self._of_block(block, block.start):
+                for event, sender in self.of_block(block, block.start):
                     older = last.get(sender)
                     is_last = older is None or event.time >= older.time
                     if event.channel == channel and event.time < time and is_last:
@@ -192,7 +192,8 @@ class LogFile(AbstractContextManager["LogFile"]):
                 if lost > 0 and (sender := self.senders.get(number)):
                     yield note.time, sender, Loss(lost, sent)
 
-    def _of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
+    def of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
+        """Yield the places of a block's events from a byte on, with their senders if known."""
         found: Iterable[Event] = self.events(block.start, block.end)
         channels = block.channels
         if any(len(count.senders) > 1 for count in channels.values()):
