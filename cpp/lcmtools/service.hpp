@@ -135,7 +135,7 @@ class Client : public detail::End {
     for (auto& [sequence, call] : awaited_) {
       if (call.due <= now) {
         sent.emplace_back(record.topic + "/_request", call.request);
-        call.due = now + retry_period;
+        call.due = now + (call.period = std::min(2 * call.period, 16 * retry_period));
       }
       next = std::min(next, call.due);
     }
@@ -146,7 +146,7 @@ class Client : public detail::End {
   static constexpr std::int64_t retry_period = 250 * detail::ms;
   struct Call {
     wire::Bytes request;
-    std::int64_t due;  // to be sent again
+    std::int64_t due, period = retry_period;  // when it is sent again, and the time before
     std::promise<Response> response;
   };
 

@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 from lcmtools.bag.edits import in_order
 from lcmtools.bag.summary import known_nodes
 from lcmtools.bag.surgery import write_log
+from lcmtools.bag.text_import import JSON_LINES, text_packets
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.measuring.measure import TimeReader
 from lcmtools.observe.reading.decoding import Decoder
@@ -60,15 +61,19 @@ class StampedLog:
 def by_stamp(paths: Sequence[str | Path], *, wanted: bool = True) -> Iterator[list[Path]]:
     """Give the paths of copies of logs that have the times in their messages; as long as needed.
 
-    If not ``wanted``, the paths are those of the logs themselves.
+    If not ``wanted``, the paths are those of the logs themselves. JSON lines become logs.
     """
-    if not wanted:
-        yield [*map(Path, paths)]
-        return
     with TemporaryDirectory(prefix="lcmtools-") as folder:
-        made = [Path(folder, str(number), Path(path).name) for number, path in enumerate(paths)]
-        for path, copy in zip(paths, made, strict=True):
-            copy.parent.mkdir()
+        made = []
+        for number, path in enumerate(map(Path, paths)):
+            if path.suffix in JSON_LINES:
+                copy = Path(folder, f"{number}.{path.name}.lcmlog")
+                write_log(copy, text_packets(path), [])
+                path = copy  # noqa: PLW2901 - a log from here on
+            if not wanted:
+                made.append(path)
+                continue
+            made.append(copy := Path(folder, f"{number}.{path.name}"))
             with LogFile(path) as log:
                 stamped = StampedLog(log)
                 write_log(copy, stamped.packets(), [log], later=stamped.later)

@@ -191,7 +191,7 @@ class GroupReceiver:
 
     def pass_whole(self, up_to: int) -> None:
         """Let messages of up to this size [byte] pass whole although ``heads``."""
-        if self.is_filtered and up_to > self._up_to:
+        if self._heads and self.is_filtered and up_to > self._up_to:
             self._up_to = up_to
             self.is_filtered = self._attach_to_shorts()
 

@@ -5,7 +5,7 @@ Must not know files or lcm-gen's output.
 """
 
 from collections.abc import Collection, Iterable
-from functools import cache
+from functools import cache, lru_cache
 from itertools import chain
 from keyword import iskeyword
 
@@ -46,7 +46,16 @@ def base_hash(parts: Iterable[HashedField]) -> int:
 
     See lcm-proj/lcm, lcmgen/lcmgen.c.
     """
-    return _hash(_START, chain.from_iterable(map(_hashed_bytes, parts)))
+    value = _START
+    for part in parts:
+        value = _after(value, part)
+    return value
+
+
+@lru_cache(maxsize=1 << 16)
+def _after(value: int, part: HashedField) -> int:
+    """Return the hash of a field and of those before it, which types that are compared share."""
+    return _hash(value, _hashed_bytes(part))
 
 
 def _hash(value: int, data: Iterable[int]) -> int:

@@ -4,17 +4,22 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:  # imported at the first look-up
+    from pathlib import Path
+
     from lcmtools.messages.type_source import TypeSource
 
 
 class Supply(Protocol):
     """A user's own types, found on request; None if there are none."""
 
-    def near(self) -> "TypeSource | None":
+    def workspace(self) -> "TypeSource | None":
         """Types that take precedence over the shipped ones."""
 
-    def far(self) -> "TypeSource | None":
+    def installed(self) -> "TypeSource | None":
         """Types for names that are otherwise unknown."""
+
+    def add_start(self, folder: "Path") -> None:
+        """Also search the workspace of another folder."""
 
     def recorded_names(self, fingerprint: int) -> "Sequence[str]":
         """Return the names under which logs have stored types with this fingerprint."""

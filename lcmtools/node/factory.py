@@ -251,7 +251,7 @@ class Factory:
         client.is_interrupted = lambda: not self.__context.ok()
         client.before_call = self.__before_call
         client.on_spin = self.__callbacks.ready.append
-        client.idle_server = partial(self.__context.idle_server, resolved)
+        client.server = partial(self.__context.server, resolved)
         self.__receive(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client

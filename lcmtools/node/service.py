@@ -37,6 +37,8 @@ from lcmtools.wire.datagram import MESSAGE_MAX
 
 RETRY_PERIOD = 0.25
 """A request is sent again after this many seconds without an answer."""
+_LONGEST_PATIENCE = 4.0
+"""A request of ``call_async`` is sent again more and more seldom, at last after so many seconds."""
 _MAX_WAITING_REQUESTS = 100
 _ENVELOPE_BYTES = 1000  # more than a reply has in addition to its payload
 
@@ -163,7 +165,8 @@ class _UnderWay(Generic[ResponseT]):
 
     future: Future[ResponseT]
     payload: bytes
-    sent: float  # [s]
+    due: float  # [s] to be sent again
+    patience: float  # [s] that passed before
 
 
 class Client(Generic[RequestT, ResponseT]):
@@ -180,8 +183,8 @@ class Client(Generic[RequestT, ResponseT]):
         self.is_destroyed = False
         self.is_interrupted: Callable[[], bool] = lambda: False
         self.before_call: Callable[[], None] = lambda: None
-        self.idle_server: Callable[[], str] = lambda: ""
-        """Returns the service's node if it is in this process and nobody else spins it; else ""."""
+        self.server: Callable[..., str] = lambda *_: ""
+        """Returns the service's node if it is here and one of these threads spins it; else ""."""
         self.on_spin: Callable[[Callable[[], None]], None] = lambda function: function()
         """Lets the thread that spins call a function."""
         self._bus = bus
@@ -202,18 +205,22 @@ class Client(Generic[RequestT, ResponseT]):
 
         Raises:
             ServiceTimeout: No answer came in time.
-            ServiceError: The server reports a failure, or answers with another message.
+            ServiceError: The server reports a failure, or answers with another message; or it is a
+                callback's own node, which cannot answer before the callback has ended.
             ValueMismatch: The request is of another type, or a field's value does not fit.
             UsageError: The node was destroyed.
             BusOfParent: This is a forked process, and the client is its parent's.
         """
+        if node := self.server(threading.get_ident()):
+            what = f"{self.name} cannot answer during this callback: {node} has it, on this thread"
+            raise ServiceError(what, "use call_async, or call the function that answers it")
         sequence, payload = self._numbered(request)
         reply = self._exchange(sequence, payload, time.monotonic() + timeout)
         if reply is None and self.is_interrupted():
             raise ServiceError(f"{self.name} had not answered when the program had to end")
         if reply is None:
             what = f"{self.name} did not answer within {timeout:g} s"
-            if node := self.idle_server():
+            if node := self.server(None):
                 what += f": its node {node} is in this program, and no other thread spins it"
                 raise ServiceTimeout(what, "use call_async, or call spin_in_background before")
             raise ServiceTimeout(what, "see whether its node runs: lcmtools node list")
@@ -234,7 +241,9 @@ class Client(Generic[RequestT, ResponseT]):
         sequence, payload = self._numbered(request)
         future: Future[ResponseT] = Future()
         with self._changed:
-            self._under_way[sequence] = _UnderWay(future, payload, time.monotonic())
+            patience = _patience(payload)
+            due = time.monotonic() + patience
+            self._under_way[sequence] = _UnderWay(future, payload, due, patience)
             if self._repeater is None:
                 self._repeater = threading.Thread(target=self._repeat, daemon=True)
                 self._repeater.start()
@@ -317,9 +326,10 @@ class Client(Generic[RequestT, ResponseT]):
                 if not calls or self.is_destroyed or self.is_interrupted():
                     self._repeater = None
                     return
-                due = [one for one in calls.values() if now - one.sent >= _patience(one.payload)]
+                due = [one for one in calls.values() if now >= one.due]
             for one in due:
-                one.sent = now
+                one.patience = min(2 * one.patience, _LONGEST_PATIENCE)
+                one.due = now + one.patience
                 with contextlib.suppress(BusError):  # lost, as any message may be
                     self._bus.publish(request_channel(self.name), one.payload)
 

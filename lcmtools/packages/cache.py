@@ -8,6 +8,7 @@ import hashlib
 import marshal
 import os
 import sys
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -15,16 +16,13 @@ from threading import Lock
 
 from lcmtools import __version__
 from lcmtools.folders import cache_folder, write_atomically
-from lcmtools.messages.type_source import SHIPPED, TypeSource
+from lcmtools.messages.type_source import TypeSource
 from lcmtools.packages.placed_type import Parsed, file_types, parse_file, parsed_from
 from lcmtools.packages.type_files import LcmFile
-from lcmtools.packages.type_set import type_set
-from lcmtools.packages.versions import with_versions
+from lcmtools.packages.type_set import TypeSet
 
 _FORM = f"7 {__version__} {sys.version}"  # what the content of the file depends on
 _PREFIX = "lcmtools_types_"
-VERSION_PREFIX = f"{_PREFIX}v_"
-"""The beginning of a package with other versions of types."""
 _FEW = 64  # files are parsed sooner than the file is written
 _MOST = 20_000  # files whose types are kept
 _ONE_AT_A_TIME = Lock()
@@ -35,56 +33,40 @@ _read: set[Path] = set()  # cache files that have been read
 
 
 def types_of(
-    files: Sequence[LcmFile],
-    environment: Mapping[str, str],
-    shipped: Mapping[str, int],
-    home: str = SHIPPED,
+    files: Sequence[LcmFile], environment: Mapping[str, str], shipped: Mapping[str, int]
 ) -> TypeSource:
     """Return the types of some files, ready to import.
 
-    The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types;
-    ``home`` is the package that has them.
+    The files are in order of precedence; ``shipped`` has the fingerprints of lcmtools' own types.
     """
     keys = [_key(file) for file in files]
-    total = hashlib.sha256(os.fsencode(home))
+    total = hashlib.sha256()
     for file, key in zip(files, keys, strict=True):
         total.update(os.fsencode(file.where) + key)
-    prefix = (_PREFIX if home == SHIPPED else VERSION_PREFIX) + total.hexdigest()[:20]
+    prefix = _PREFIX + total.hexdigest()[:20]
     with _ONE_AT_A_TIME:
-        source = _sources.get(prefix)
-        if source is None or prefix not in sys.modules:
+        if prefix not in _sources or prefix not in sys.modules:
             _parse(dict(zip(keys, files, strict=True)), environment)
-            source = _sources[prefix] = _made(prefix, files, keys, shipped, home)
-
-    def compiled(inside: Sequence[LcmFile], known: Mapping[str, int], home: str) -> TypeSource:
-        return types_of(inside, environment, known, home)
-
-    return with_versions(source, files, shipped, compiled)
+            parsed = (file_types(file, _parsed[key]) for file, key in zip(files, keys, strict=True))
+            _sources[prefix] = _made(prefix, TypeSet(parsed, shipped), shipped)
+        return _sources[prefix]
 
 
-def _made(
-    prefix: str,
-    files: Sequence[LcmFile],
-    keys: Sequence[bytes],
-    shipped: Mapping[str, int],
-    home: str,
-) -> TypeSource:
+def _made(prefix: str, known: TypeSet, shipped: Mapping[str, int]) -> TypeSource:
     from lcmtools.packages.type_classes import TypeModules
 
-    placed = (file_types(file, _parsed[key]) for file, key in zip(files, keys, strict=True))
-    made = type_set(placed, shipped)
-    numbers = made.fingerprints()
-    source = TypeSource(
-        prefix,
-        numbers,
-        made.services(),
-        {name: made.types[name].file.where for name in numbers},
-        made.problems,
-        made.notes,
-        made.places,
-        enums={n: t.type.number for n, t in made.types.items() if t.type.values is not None},
-    )
-    TypeModules(source, made.types, shipped, home).open()
+    numbers: dict[str, int] = {}
+    enums: dict[str, int] = {}
+    versions: defaultdict[str, dict[int, str]] = defaultdict(dict)
+    for key, one in known.types.items():
+        if key == one.type.name:
+            (numbers if one.type.values is None else enums)[key] = one.number
+        elif one.type.values is None:
+            versions[one.type.name][one.number] = one.file
+    files = {name: known.types[name].file for name in numbers}
+    rest = known.problems, known.notes, versions, enums
+    source = TypeSource(prefix, numbers, known.services(), files, *rest)
+    TypeModules(source, known.types, shipped).open()
     return source
 
 

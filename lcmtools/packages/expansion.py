@@ -27,23 +27,22 @@ class _Size(NamedTuple):
 
 
 class Expansion:
-    """Counts fields.
+    """Counts fields: ``counts`` has those of each type, ``parts`` the types of those that have any.
 
-    ``counts`` has for each type how many it has, ``parts`` the types of those that are not
-    primitive.
+    A type is its place in a set.
     """
 
-    def __init__(self, parts: Mapping[str, Sequence[str]], counts: Mapping[str, int]) -> None:
+    def __init__(self, parts: Mapping[int, Sequence[int]], counts: Mapping[int, int]) -> None:
         self._parts, self._counts = parts, counts
-        self._known: dict[str, _Size] = {}
+        self._known: dict[int, _Size] = {}
         self._visits = 0
 
-    def fields(self, name: str) -> int:
+    def fields(self, name: int) -> int:
         """Return the number of a type's fields and of theirs; TooManyFields if it is too large."""
         self._visits = 0
         return self._size(name, ()).fields
 
-    def _size(self, name: str, above: tuple[str, ...]) -> _Size:
+    def _size(self, name: int, above: tuple[int, ...]) -> _Size:
         if name in above:
             return _Size(0, 0, is_fixed=False)
         if (found := self._known.get(name)) is None:
@@ -54,7 +53,7 @@ class Expansion:
             self._known[name] = found
         return found
 
-    def _sum(self, name: str, above: tuple[str, ...]) -> _Size:
+    def _sum(self, name: int, above: tuple[int, ...]) -> _Size:
         self._visits += 1
         total, depth, is_fixed = self._counts.get(name, 0), 0, True
         parts = self._parts.get(name, ())

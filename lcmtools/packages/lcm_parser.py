@@ -13,7 +13,7 @@ above it; a type without a package is in that of its struct. Braces need blanks 
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from math import isfinite
 from struct import pack
 from typing import NamedTuple, NoReturn, TypeAlias
@@ -56,9 +56,9 @@ class LcmField(NamedTuple):
     line: int
 
     @property
-    def nested(self) -> str:
-        """The name of its type; "" for a primitive one."""
-        return "" if self.type in PRIMITIVES else self.type
+    def is_fixed(self) -> bool:
+        """True for an array whose sizes are numbers, and for a single value."""
+        return all(isinstance(size, int) for size in self.sizes)
 
 
 class LcmType(NamedTuple):
@@ -69,10 +69,6 @@ class LcmType(NamedTuple):
     fields: tuple[LcmField, ...]
     constants: Constants
     values: Mapping[str, int] | None  # of an enum
-
-    def nested(self) -> Iterator[str]:
-        """The names of its fields' types, in wire order."""
-        return (field.type for field in self.fields if field.nested)
 
 
 class SyntaxFault(ValueError):  # noqa: N818 - named for what it is

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from lcmtools.messages.fields import PRIMITIVES
 from lcmtools.messages.type_source import Problem
 from lcmtools.packages.lcm_parser import LcmField, LcmType, SyntaxFault, declared, parse
 from lcmtools.packages.ros_files import LcmSource, to_lcm
@@ -51,6 +52,11 @@ class PlacedType(NamedTuple):
     def name(self) -> str:
         """Its name, "geometry_msgs/Twist"."""
         return self.type.name
+
+    @property
+    def is_plain(self) -> bool:
+        """True if it has no fields of other types."""
+        return all(field.type in PRIMITIVES for field in self.type.fields)
 
     @property
     def wire(self) -> tuple[object, ...]:

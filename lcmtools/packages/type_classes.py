@@ -5,7 +5,7 @@ know where types come from.
 
 The classes have lcm-gen's interface, and our codecs. Words that Python cannot spell have other
 names here: ``from_``. The package of a type that only lcmtools ships (geometry_msgs) refers to
-``lcmtools.types``, that of a type of which this set has no version to the set that has it.
+``lcmtools.types``.
 """
 
 import copyreg
@@ -27,9 +27,11 @@ from lcmtools.messages.enums import enum_class
 from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.registry import Message, default_registry, fingerprint, type_name
 from lcmtools.messages.rows import Cursor
-from lcmtools.messages.type_source import TypeSource, shown
+from lcmtools.messages.supply import current_supply, has_supply
+from lcmtools.messages.type_source import SHIPPED, TypeSource, shown
+from lcmtools.packages import provide_user_types
 from lcmtools.packages.lcm_parser import LcmField, LcmType
-from lcmtools.packages.placed_type import PlacedType
+from lcmtools.packages.type_set import UsableType
 
 _FINGERPRINT_BYTES = 8
 _ONE_AT_A_TIME = RLock()
@@ -84,19 +86,15 @@ class OwnMessage(MessageValue, metaclass=OwnType):
 
 
 class TypeModules:
-    """Makes the packages of a source importable; ``types`` are its types by name.
+    """Makes the packages of a source importable; ``types`` are its types by key.
 
-    Other types, ``shipped``, are those of the package ``home``.
+    Other types, ``shipped``, are those of ``lcmtools.types``.
     """
 
     def __init__(
-        self,
-        source: TypeSource,
-        types: Mapping[str, PlacedType],
-        shipped: Mapping[str, int],
-        home: str,
+        self, source: TypeSource, types: Mapping[str, UsableType], shipped: Mapping[str, int]
     ) -> None:
-        self._source, self._types, self._home = source, types, home
+        self._source, self._types = source, types
         self._shipped = {_package(name) for name in shipped}
         self._spelled = {_path(name): name for name in (*source.services, *types)}
 
@@ -123,55 +121,59 @@ class TypeModules:
             if short in vars(module):  # another thread was faster
                 return vars(module)[short]
             if name in self._types:
-                found = self._type(self._types[name])
+                found = self._type(name)
             elif name in self._source.services:
                 own = name.rpartition("/")[2]
                 parts = {end: getattr(module, f"{own}_{end}") for end in ("Request", "Response")}
                 found = type(own, (), {"__doc__": f"The service {name}.", **parts})
             elif package in self._shipped and not short.startswith("__"):
-                above = importlib.import_module(f"{self._home}.{package}".rstrip("."))
+                above = importlib.import_module(f"{SHIPPED}.{package}".rstrip("."))
                 return getattr(above, short)
             else:
                 raise AttributeError(f"module {module.__name__} has no attribute {short}")
             setattr(module, short, found)
             return found
 
-    def _type(self, placed: PlacedType) -> type:
-        one, path = placed.type, self._module(_path(placed.name))
+    def _type(self, key: str) -> type:
+        usable, path = self._types[key], self._module(_path(key))
+        one = usable.type
         if one.values is not None:
             enum = enum_class(one.name, path, one.values, one.number)
-            enum.__file__ = placed.file.where
+            enum.__file__ = usable.file
             return enum
-        number = self._source.fingerprints[one.name].to_bytes(_FINGERPRINT_BYTES, "big")
         try:
-            cls = _message_class(one, path, number, self._class)
+            cls = _message_class(usable, path, self._class)
             cls()
         except Exception as error:  # a class from a strange file may raise anything
-            what = f"{shown(placed.file.where)}: {one.name} cannot be used as a message: {error}"
+            what = f"{shown(usable.file)}: {one.name} cannot be used as a message: {error}"
             raise InvalidFile(what) from error
         module = sys.modules[path] = ModuleType(path)
         setattr(module, cls.__name__, cls)
         return cls
 
-    def _class(self, name: str) -> tuple[str, type]:
+    def _class(self, key: str) -> tuple[str, type]:
         """Return a type's full name in Python, and its class."""
-        path = self._module(_path(name))
+        path = self._module(_path(key))
         module, _, short = path.rpartition(".")
         return path, cast("type", getattr(importlib.import_module(module), short))
 
     def _module(self, path: str) -> str:
-        return f"{self._source.prefix}.{path}".rstrip(".")
+        return f"{self._source.module}.{path}".rstrip(".")
 
 
 def _message_class(
-    one: LcmType, module: str, number: bytes, find: Callable[[str], tuple[str, type]]
+    usable: UsableType, module: str, find: Callable[[str], tuple[str, type]]
 ) -> OwnType:
     """Return the class of a struct; ``find`` returns the classes of its fields' types."""
+    one = usable.type
     words = {*(field.name for field in one.fields), *one.constants}
     names = {word: python_name(word, words) for word in words}
     kinds, defaults = [], []
     for field in one.fields:
-        path, make = _type_of(field, one, module, find)
+        path, make = field.type, None
+        if field.type in usable.parts:
+            is_itself = field.type == one.name  # in an array of variable size
+            path, make = (module, None) if is_itself else find(usable.parts[field.type])
         kinds.append(path)
         defaults.append(_default(field, field.sizes, make))
     attributes = [names[field.name] for field in one.fields]
@@ -187,21 +189,10 @@ def _message_class(
         "__renamed__": {spelled: word for word, spelled in names.items() if spelled != word},
         "__constant_types__": {name: kind for name, (kind, _) in one.constants.items()},
         "__init__": _initializer(short, attributes, defaults, one),
-        "_packed_fingerprint": number,
+        "_packed_fingerprint": usable.number.to_bytes(_FINGERPRINT_BYTES, "big"),
         **{names[name]: value for name, (_, value) in one.constants.items()},
     }
     return OwnType(short, (OwnMessage,), space)
-
-
-def _type_of(
-    field: LcmField, one: LcmType, module: str, find: Callable[[str], tuple[str, type]]
-) -> tuple[str, Default | None]:
-    """Return the name of a field's type as in lcm-gen's tables, and what makes such a message."""
-    if not field.nested:
-        return field.type, None
-    if field.type == one.name:  # in an array of variable size
-        return module, None
-    return find(field.type)
 
 
 def _default(field: LcmField, sizes: Sequence[int | str], make: Default | None) -> Default | None:
@@ -261,13 +252,13 @@ def find_class(name: str, number: int, file: str) -> type[Message]:
 
     UnknownType is raised if there is no such type, or only one with another fingerprint.
     """
-    from lcmtools.packages.user_types import user_types
-
-    types = user_types()
+    if not has_supply():
+        provide_user_types()
+    types = current_supply()
     with suppress(UnknownType):
         if fingerprint(cls := _any_class(name, number)) == number:
             return cls
-    if file and Path(file).exists():
+    if types and file and Path(file).exists():
         types.add_start(Path(file).parent)
     if fingerprint(cls := _any_class(name, number)) != number:
         raise UnknownType(f"{name} has changed since it was pickled")

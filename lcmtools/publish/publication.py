@@ -92,7 +92,8 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
         publisher = node.create_publisher(kind, topic, plain_channel=plain_channel)
         publisher.is_latched = latch or schedule.stay > 0
-        wait = SubscriberWait(node, publisher, bus, notify)
+        literal = "" if plain_channel or topic.startswith(("/", "~")) else topic
+        wait = SubscriberWait(node, publisher, bus, notify, literal)
         if simulated:
             wait.wait_for_clock(timeout)
         wait.wait(subscribers, timeout)

@@ -11,6 +11,7 @@ from lcmtools.bag.latched import part_of
 from lcmtools.bag.ros_bags import Compression
 from lcmtools.bag.ros_import import RosImport
 from lcmtools.bag.summary import known_nodes
+from lcmtools.bag.text_import import SUFFIXES, text_packets
 from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
@@ -25,6 +26,7 @@ from lcmtools.cli.bag.common import (
 from lcmtools.cli.bus import notify
 from lcmtools.cli.declare import examples, option, subcommand
 from lcmtools.cli.output import results_beside, write_note, write_result
+from lcmtools.errors import UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
@@ -37,6 +39,7 @@ from lcmtools.wire.packet import Packet
     "bag export ride.lcmlog odometry.csv -t /husky0/odometry",
     "bag export ride.lcmlog scans.npz -t '/*/scan' -s 10s -e end-1m",
     "bag export ride.lcmlog ride_bag --format ros2",
+    "bag export ride.lcmlog pictures --format png -t /camera/image",
 )
 @places
 @option(
@@ -70,8 +73,9 @@ def export_(
 
     OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
     (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
-    csv, parquet or ros2 and no suffix, OUT is a folder. Hidden topics are left out, unless -t names
-    them. The exit code is 1 if messages cannot be written, 2 if none can.
+    csv, parquet or ros2 and no suffix, OUT is a folder; png and jpeg write each image to a file in
+    it. Hidden topics are left out, unless -t names them. The exit code is 1 if messages cannot be
+    written, 2 if none can.
     """
     meant = format_of(Path(target), format_)
     with stamps.by_stamp([source], wanted=by_stamp) as (path,), LogFile(path) as log:
@@ -103,24 +107,41 @@ def export_(
     "bag import ride.bag ride.lcmlog",
     "bag import rosbag2_folder ride.lcmlog",
     "bag import ride.mcap scans.lcmlog -t '/*/scan'",
+    "bag import ride.jsonl ride.lcmlog",
+    "bag import odometry.csv ride.lcmlog --type nav_msgs/Odometry --as /odometry",
 )
 @places
+@option("--type", "type_", metavar="TYPE", help="The type of the values in a CSV file.")
+@option("--as", "topic", metavar="TOPIC", help="The topic of a CSV file, or of all JSON lines.")
 @topics_option
 @exclude_option
 def import_(
     source: str,
     target: str,
     *,
+    type_: str | None,
+    topic: str | None,
     wanted: tuple[str, ...],
     excluded: tuple[str, ...],
     force: bool,
     as_json: bool,
 ) -> int:
-    """Convert a ROS 1 or ROS 2 bag or an MCAP file to a log.
+    """Convert a ROS 1 or ROS 2 bag, an MCAP file, JSON lines or values to a log.
 
+    JSON lines (.jsonl) and comma-separated values (.csv) are those of bag export.
     An unknown type is translated from the bag's own definition, which the log keeps. The exit code
     is 1 if messages are left out or numbers changed, 2 if nothing is imported.
     """
+    if Path(source).suffix in SUFFIXES:
+        left_out: list[str] = []
+        found_lines = text_packets(Path(source), type_, topic, left_out.append)
+        lines = edits.chosen(found_lines, TopicChoice(wanted, excluded))
+        write(target, lines, force=force, as_json=as_json, more=lambda: {"left_out": left_out})
+        for text in left_out:
+            write_note(text)
+        return 1 if left_out else 0
+    if type_ or topic:
+        raise UsageError("--type and --as are for .csv and .jsonl", "leave them out")
     reading = RosImport()
     found = reading.read(Path(source), TopicChoice(wanted, excluded))
     packets = (Packet(one.topic, encode(one.message), one.time) for one in found)

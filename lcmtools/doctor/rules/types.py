@@ -237,10 +237,11 @@ def _diagnosis(
     usual = max(weights, key=lambda number: weights[number], default=_NO_TYPE)
     is_usual = 2 * weights[usual] > sum(user.weight for user in users)
     odd = [user for user in users if is_usual and usual not in user.fingerprints]
-    others = [user for user in users if user not in odd]
+    not_usual = {user.subject for user in odd}  # also beside itself, with several types
+    others = [user for user in users if user.subject not in not_usual]
     types = tuple(_possible(usual, topic)[:1])
     remedies: list[Statement | str] = ["same-lcm-files", "type-path"] if unknown else []
-    if odd and types:
+    if odd and types and others:
         known = {"senders": [u.subject for u in odd], "programs": [u.subject for u in others]}
         facts.append(state("odd-type", types=types, **known))
         remedies += [user.remedy(topic.name, types) for user in odd]

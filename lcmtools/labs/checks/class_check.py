@@ -106,9 +106,10 @@ class ClassCheck:
             start = Start(words, dict(os.environ), own)
             with ChildProcess(start, guard, StopTimeouts()) as child:
                 output, errors = self._lines(child)
-        if output:
+        try:
             return read_record(json.loads("\n".join(output)))[0]
-        return _failed(job.option, _reason(errors))
+        except ValueError:  # nothing, or a part of it: the check was ended
+            return _failed(job.option, _reason(errors))
 
     def _lines(self, child: ChildProcess) -> tuple[list[str], list[str]]:
         """Return the lines of output and errors, until the process or the whole check ends."""

@@ -19,7 +19,7 @@ from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, Unknown
 from lcmtools.graph.model import Graph
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.layout import stamp_reader
-from lcmtools.messages.message_time import MessageTime, message_time
+from lcmtools.messages.message_time import FIRST_TIME, MessageTime, message_time
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import Resolver, has_wildcard
 from lcmtools.observe.measuring.counters import Counters
@@ -88,7 +88,7 @@ class Delays:
         self._reader = TimeReader(decoder)
 
     def __call__(self, arrival: SelectedPacket) -> int | None:
-        """Return the delay of a message [ns]; None if its stamp is not a time.
+        """Return the delay of a message [ns]; None if its stamp is no time, or one of another base.
 
         Raises:
             LcmtoolsError: Its type is unknown or has no header.
@@ -104,6 +104,9 @@ class Delays:
             name = found.field.rpartition(".")[2]
             says = f"the {name} of a message on {topic} is {found.value}, which is not a time"
             self._tell_once("", says)
+            return None
+        if (found.time < FIRST_TIME) is not (arrival.time < FIRST_TIME):
+            self._tell_once(f"base of {topic}", _other_base(topic, found.time, arrival.time))
             return None
         if str(found) != found.field:
             self._tell_once(topic, f"the delay of {topic} is measured by its {found}")
@@ -130,6 +133,15 @@ class Delays:
                 "lcmtools msg find-field header lists the types that have one",
             )
         return found
+
+
+def _other_base(topic: str, stamped: int, arrival: int) -> str:
+    """Return why the delay from a stamp to an arrival [ns] has no meaning."""
+    if stamped < FIRST_TIME:
+        what = f"is {stamped / 1e9:.3f} s: since a start, or simulated without a /clock here"
+        return f"the stamp of a message on {topic} {what}; such messages have no delay"
+    what = f"is real time, while /clock is at {arrival / 1e9:.3f} s"
+    return f"the stamp of a message on {topic} {what}; --wall-time measures its delay"
 
 
 @dataclass(frozen=True, slots=True)

@@ -174,6 +174,16 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     return sorted(made, key=_order)
 
 
+def listening_programs(graph: Graph, url: BusUrl) -> list[Program] | None:
+    """Return the programs that are no nodes and receive from a bus, on channels that nobody sees.
+
+    None if such programs are not seen, as on a server's bus.
+    """
+    if not url.is_multicast:
+        return None
+    return [program for program in programs(graph, url) if program.listens]
+
+
 def is_here(node: Node) -> bool:
     """Return whether a node's process is one of this computer, so that its pid is valid here.
 

@@ -70,7 +70,7 @@ def registry(types: UserTypes) -> Registry:
 
 
 def problems(types: UserTypes) -> list[str]:
-    found = types.near()
+    found = types.workspace()
     return [str(problem.error()) for problem in found.problems] if found else []
 
 
@@ -124,13 +124,13 @@ def test_ros_definitions_have_the_shipped_types_fingerprints(
 ) -> None:
     package, _, short = name.partition("/")
     types = types_of(write({f"{package}/msg/{short}.msg": text}))
-    source = types.near()
+    source = types.workspace()
     assert source is not None
     if package == "air_lab0":  # fields' names are part of the fingerprint
         text = text.replace("last", "last_error").replace("average", "average_error")
         assert source.fingerprints[name] != FINGERPRINTS[name]
         types = types_of(write({f"{package}/msg/{short}.msg": text}))
-        source = types.near()
+        source = types.workspace()
         assert source is not None
     assert (source.fingerprints[name], problems(types)) == (FINGERPRINTS[name], [])
 
@@ -163,7 +163,7 @@ def test_a_service_is_a_pair_of_types(write: Write, types_of: Types) -> None:
 def test_an_action_is_three_types(write: Write, types_of: Types) -> None:
     folder = write({"p/action/Dock.action": "uint8 FAST=1\nint32 dock\n---\n---\nfloat32 left\n"})
     types = types_of(folder)
-    known, source = registry(types), types.near()
+    known, source = registry(types), types.workspace()
     assert source is not None
     assert list(source.fingerprints) == ["p/Dock_Feedback", "p/Dock_Goal", "p/Dock_Result"]
     assert source.problems == []
@@ -183,7 +183,7 @@ def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None
     )
     environment = {"XDG_CACHE_HOME": str(root / "cache")}
     for start in (root, root / "src/survey_msgs/scripts"):
-        found = UserTypes(environment, [start], FINGERPRINTS).near()
+        found = UserTypes(environment, [start], FINGERPRINTS).workspace()
         assert found is not None
         assert (list(found.fingerprints), found.problems) == (["survey_msgs/Progress"], [])
     assert workspace(root) == Workspace([], [])  # no package of lcmtools, with nodes to run
@@ -209,7 +209,7 @@ def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None
 def test_the_package_is_the_folder_s_or_what_its_project_says(
     write: Write, types_of: Types, files: dict[str, str], name: str
 ) -> None:
-    found = types_of(write(files)).near()
+    found = types_of(write(files)).workspace()
     assert found is not None
     assert (list(found.fingerprints), found.problems) == ([name], [])
 

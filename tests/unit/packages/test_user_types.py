@@ -31,7 +31,7 @@ def registry(types: UserTypes) -> Registry:
 
 
 def near(types: UserTypes) -> TypeSource:
-    found = types.near()
+    found = types.workspace()
     assert found is not None
     return found
 
@@ -305,7 +305,7 @@ def test_folder_that_is_not_there_is_told(types_of: Types, tmp_path: Path) -> No
 
 
 def test_nothing_is_looked_for_where_nothing_is_said(tmp_path: Path) -> None:
-    assert UserTypes({}, [tmp_path], FINGERPRINTS).near() is None
+    assert UserTypes({}, [tmp_path], FINGERPRINTS).workspace() is None
 
 
 def test_a_look_up_reads_the_environment_only_where_the_edge_provides_it(
