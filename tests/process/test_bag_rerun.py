@@ -192,11 +192,20 @@ def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_
     assert (topic(report)["recorded"], topic(report)["matched"]) == (1, 1)
 
 
-def test_a_thread_that_publishes_by_itself_is_played_to_in_real_time(rerun: Rerun) -> None:
-    code, report = rerun("thread")
-    assert code == 0
-    assert report["real_time"] == "it published /chatter without a message or a timer"
-    assert (report["lateness"] >= 0, topic(report)["matched"]) == (True, _COUNT)
+@pytest.mark.parametrize(
+    ("word", "code", "reason"),
+    [
+        ("thread", 0, "it published /chatter without a message or a timer"),
+        ("loop", 1, "it publishes without waiting for messages (lcmtools.spin)"),
+    ],
+)
+def test_a_program_that_publishes_by_itself_is_played_to_in_real_time(
+    rerun: Rerun, word: str, code: int, reason: str
+) -> None:
+    found, report = rerun(word)
+    assert (found, report["real_time"]) == (code, reason)
+    assert report["lateness"] >= 0
+    assert topic(report)["matched"] == (_COUNT if word == "thread" else 0)
 
 
 def test_a_plain_c_program_is_played_to_in_real_time(tmp_path: Path, cli: Cli) -> None:
