@@ -169,6 +169,9 @@ class GroupReceiver:
             self._test, self._endings = test, endings
             if (not self.shares or self._attach_to_fragments()) and self._attach_to_shorts():
                 self.is_filtered = True
+                if test is everything and len(self._tests) > 1:
+                    for one in self.all:
+                        mark(one, UNFILTERED)
                 return
         self.is_filtered = False
         if self.shares:
