@@ -30,6 +30,7 @@ from lcmtools.errors import UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.text_table import plural
 from lcmtools.wire.packet import Packet
 
 
@@ -98,7 +99,7 @@ def export_(
         write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
     with results_beside(target):
-        write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+        write_result(record, [f"{target}: {plural(done.messages, 'message')}"], as_json=as_json)
     return 1 if done.left_out else 0
 
 
