@@ -118,7 +118,8 @@ class _Baseline:  # the state of the bus and of this computer at the start of a 
         listeners = {table.holders[inode].pid for inode in on_bus if inode in table.holders}
         waiting = {pid: Waiting.of(pid) for pid in listeners - {os.getpid()}}
         graph = monitor.settle(foreign=False)
-        listening, overflows = Listening(monitor.types_of), buffer_overflows()
+        listening = Listening(monitor.types_of, port=monitor.url.port)
+        overflows = buffer_overflows()
         return cls(graph, table, on_bus, times, waiting, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:

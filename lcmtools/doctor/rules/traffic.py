@@ -74,7 +74,8 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     """
     counts: Counter[str] = Counter()
     for stream in evidence.streams:
-        counts[stream.name] += stream.doubled
+        if stream.programs == 1:  # numbers of several programs may be the same
+            counts[stream.name] += stream.doubled
     doubled = ((name, count) for name, count in counts.items() if count >= _SOME)
     facts = [state("doubled", sender=name, count=count) for name, count in doubled]
     return finding("doubled", facts, "find-second-way")
@@ -111,13 +112,14 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
     for known in _by_input(evidence):
         several = [one for one in known if len(one.times) > 1 and not one.has_ended]
-        streams = {one.name: one for one in several if _has_rival(one, several)}
+        streams = {one.name: one for one in several if one.programs > 1 or _has_rival(one, several)}
         topics = {stream.channel for stream in streams.values()}
-        if len(streams) > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
+        count = sum(one.programs for one in streams.values())
+        if count > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
             rivals[frozenset(streams)] += streams.values()
     for several in rivals.values():
         names = sorted({stream.channel for stream in several})
-        count = len({one.name for one in several})
+        count = sum({one.name: one.programs for one in several}.values())
         title = state("competing-publishers", count=count, topics=names)
         # two simulators send the same without passing it on
         repeat = [one for one in several if one.repeated >= _SOME and CLOCK_TOPIC not in names]

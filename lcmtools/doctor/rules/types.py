@@ -17,8 +17,8 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.doctor.near_types import NearType, added_and_missing, nearest_type, own_types_like
 from lcmtools.doctor.rules.shared import simulator_ids
+from lcmtools.doctor.type_versions import added_and_missing, other_version, own_types_like
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import (
     candidates,
@@ -151,16 +151,15 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     for topic in evidence.graph.topics():
         if is_hidden(topic.name) or disagree(topic):
             continue
-        unknown_ones: dict[tuple[int, str, str], list[Subject]] = defaultdict(list)
+        unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
             is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
             if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
                 sender = _sender(seen, sender_names(evidence))
-                grown = _grown(evidence, topic, seen)
-                unknown_ones[_sent_by(seen)[0], likely, grown].append(sender)
-        for (number, likely, grown), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _type(number, topic, grown=grown)
+                unknown_ones[_sent_by(seen)[0], likely].append(sender)
+        for (number, likely), senders in unknown_ones.items():
+            parts = {"format": likely} if likely else _type(number, topic)
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
@@ -201,8 +200,7 @@ def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
     for seen in unannounced:
         for number in _sent_by(seen):
             sender = _sender(seen, sender_names(evidence))
-            grown = _grown(evidence, topic, seen)
-            yield _User("sends", sender, frozenset({number}), _type(number, topic, grown=grown))
+            yield _User("sends", sender, frozenset({number}), _type(number, topic))
 
 
 def _senders_without_type(topic: Topic) -> set[Sender]:
@@ -254,7 +252,8 @@ def _versions(topic: Topic, users: Sequence[_User]) -> Iterator[Statement]:
         added, missing = added_and_missing(newer, older)
         parts = {"newer": names[one], "older": names[other]}
         is_one = type_name(newer) == type_name(older)
-        if added and not missing and (is_one or len(older.__slots__) >= max(2, len(added))):
+        is_more = bool(added) and not missing
+        if is_more and (is_one or len(older.__slots__) >= max(2, len(added))):
             is_end = [*newer.__slots__[-len(added) :]] == added
             yield state("appended" if is_end else "has-more", **parts, fields=added)
             senders = [user.subject for user in users if other in user.fingerprints]
@@ -332,15 +331,7 @@ def _may_be_fingerprint(number: int) -> bool:
     return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
 
 
-def _grown(evidence: Evidence, topic: Topic, seen: Traffic) -> str:
-    """Return the type that a sender's messages have with more bytes at the end; "" for none."""
-    streams = (s for s in evidence.streams if (s.channel, s.sender) == (topic.name, seen.sender))
-    return next((one.grown for one in streams), "")
-
-
-def _type(
-    fingerprint: int, topic: Topic, expected: Sequence[str] = (), grown: str = ""
-) -> dict[str, Part]:
+def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
     """Return the parts of a statement that describe the type of messages on a topic."""
     if fingerprint == _NO_TYPE:
         return {}
@@ -348,8 +339,6 @@ def _type(
         return {"types": tuple(known)}
     if not _may_be_fingerprint(fingerprint):
         return {}
-    near = nearest_type(fingerprint, [*expected, *_expected(topic)], topic.name)
-    if grown and near is None:
-        near = NearType(grown, "with more bytes at the end, as if fields were added there")
+    near = other_version(fingerprint, [*expected, *_expected(topic)])
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})

@@ -22,9 +22,9 @@ from lcmtools.doctor.evidence import (
     Stream,
 )
 from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
-from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
+from lcmtools.doctor.type_versions import fingerprint_of
 from lcmtools.graph.model import (
     VERSION,
     CallbackError,

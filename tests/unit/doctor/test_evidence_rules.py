@@ -32,8 +32,8 @@ from lcmtools.doctor.evidence import (
 )
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.lcm_processes import processor_times
-from lcmtools.doctor.near_types import fingerprint_of
 from lcmtools.doctor.rules import RULES
+from lcmtools.doctor.type_versions import fingerprint_of
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class
