@@ -85,6 +85,7 @@ def _obstacles(host: Host) -> Iterator[Statement]:
         " and LCMTOOLS_DOMAIN in both shells",
         "start-something": "start something, for example: `lcmtools run talker`",
     },
+    unless={"other-buses": "", "silent": "", "stuck-listeners": "", "loss": "", "malformed": ""},
     evidence="the nodes' announcements and all messages of the look",
 )
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:

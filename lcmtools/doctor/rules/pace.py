@@ -87,6 +87,7 @@ class _Pace:  # a publisher's messages during the look, and its usual rate
         "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
     },
     remedies=WAKE_OR_END,
+    unless={"stale-nodes": "pid", "stuck-listeners": "pid"},
     evidence="the nodes' counters, times of arrival, the state of processes; earlier looks with"
     " --watch",
     root_only="the state of other users' programs",
@@ -137,11 +138,8 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
 
 
 def _stopped(evidence: Evidence) -> Iterator[Finding]:
-    # other rules report stopped nodes and listeners
-    nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
-    processes = (one for one in evidence.processes if one.state in _STOPPED and not one.bus)
-    stopped = [one for one in processes if one.pid not in nodes]
-    remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
+    stopped = [one for one in evidence.processes if one.state in _STOPPED and not one.bus]
+    remedies = (state("wake-or-end", pid=one.pid).of("pid", str(one.pid)) for one in stopped)
     facts = (state("process", process=one) for one in stopped)
     return finding("stopped-programs", facts, *remedies)
 
@@ -157,6 +155,7 @@ def _stopped(evidence: Evidence) -> Iterator[Finding]:
         " start",
         "slower-stream": "{sender}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
     },
+    unless={"silent": "pair"},
     evidence="the nodes' counters, LCM's sequence numbers with the age of processes; earlier looks"
     " with --watch",
     root_only="the age of other users' programs",
@@ -167,11 +166,10 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     Nodes count their messages, LCM numbers those of other programs: both give the average rate
     since the start. With --watch the rates of earlier looks are used, too.
     """
-    silent = {(name, topic) for _, _, name, topic, _, _ in _silent(evidence)}
     facts: dict[tuple[str, str], Statement] = {}
     for pace in _paces(evidence):
         key = pace.name, pace.topic
-        if pace.has_fallen and pace.expected >= _SURE and key not in silent:
+        if pace.has_fallen and pace.expected >= _SURE:
             by, about = pace.publisher, {"topic": pace.topic} if pace.topic else {}
             parts = {"node": by} if isinstance(by, Node) else {"sender": by}
             fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)

@@ -53,6 +53,7 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
         "carry-less": "let it carry less, for example of images: --rate '/camera/**=5' --newest"
         " '/camera/**', or --deny",
     },
+    unless={"relay-bus": ""},
     evidence="two reports of each relay, and announcements of relays and servers",
 )
 def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:

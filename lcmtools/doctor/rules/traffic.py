@@ -11,7 +11,6 @@ from lcmtools.doctor.renaming import remap_argument
 from lcmtools.doctor.rules.connections import quiet_programs
 from lcmtools.doctor.rules.pace import resting_simulators
 from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
-from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
@@ -97,6 +96,7 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
         "open-circle": "a program that forwards what it receives creates a loop if that comes back"
         " to it: let it publish on another channel",
     },
+    unless={"type-mismatch": "topic"},
     evidence="channels, senders and times of messages; announcements of commands",
     root_only="the names of other users' programs",
 )
@@ -113,9 +113,7 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     for known in _by_input(evidence):
         several = [one for one in known if len(one.times) > 1 and not one.has_ended]
         streams = {one.name: one for one in several if one.programs > 1 or _has_rival(one, several)}
-        topics = {stream.channel for stream in streams.values()}
-        count = sum(one.programs for one in streams.values())
-        if count > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
+        if sum(one.programs for one in streams.values()) > 1:
             rivals[frozenset(streams)] += streams.values()
     for several in rivals.values():
         names = sorted({stream.channel for stream in several})

@@ -134,6 +134,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
         "correct-file": "correct the file that cannot be read: {problem}",
         **_TYPE_PATH,
     },
+    unless={"type-mismatch": "topic"},
     evidence="fingerprints and beginnings of messages, the known types",
 )
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
@@ -149,7 +150,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     foreign: list[Statement] = []
     formats = {(one.channel, one.sender): one.format for one in evidence.streams}
     for topic in evidence.graph.topics():
-        if is_hidden(topic.name) or disagree(topic):
+        if is_hidden(topic.name):
             continue
         unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
