@@ -11,7 +11,6 @@ _PER_MESSAGE = 1.1  # times a message: a buffer of this size holds it
 _DATAGRAM = 65_507  # bytes at most
 _STOPPED = frozenset({"T", "t"})
 _NEARLY_ALL, _AT_EDGES = 0.95, 2  # share of the messages of a look; messages at its ends
-_SECOND_LOOK = 3.0  # [s] in which a program that handles messages only at times does so
 _FILLING = 1.2  # times the bytes that waited at its start
 _BUFFER, _LARGE = 4 << 20, 8 << 20  # bytes that are enough for most; for all that is common
 _BUFFERS = "net.core.rmem_max"
@@ -251,9 +250,9 @@ def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     return finding("environment", facts, "correct-environment")
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows whether a program hangs; 0 if none does."""
-    return _SECOND_LOOK if any(x.hangs for x in _programs(evidence)) else 0.0
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether a program may hang: some handle messages only at times."""
+    return any(x.hangs for x in _programs(evidence))
 
 
 def _inspect(listener: Listener) -> str:

@@ -23,10 +23,8 @@ _PERIODS = 10  # periods without a message are silence
 _ENOUGH = 10  # messages that are enough for a usual rate
 _SURE = 8  # expected messages that are enough to judge a rate
 _FALLEN = 0.5
-_FEW = 2  # expected messages in a brief look: 3 in a whole one
 _LATE = 3  # periods without a message are a reason to look longer
-_BURSTS = 3.0  # [s] between two bursts that do not count as silence
-_LONGEST = 5.0  # [s] of an extended look
+_LONGEST = 3.5  # [s] of a look
 _AGE = 5.0  # [s] the least age of a process for an average rate
 _BURST = 4  # times the median interval on average
 _AT_ONCE = 500_000  # [ns] between messages that are sent one after another
@@ -63,15 +61,14 @@ class _Pace:  # a publisher's messages during the look, and its usual rate
         """The rate now [Hz]; if no message came, its upper bound."""
         return self.sent / self.span if self.sent else 1 / max(self.span, self.age or 0.0)
 
-    def needed_duration(self) -> float:
-        """Return the duration of a look [s] that shows whether the rate fell; 0 if it is clear.
+    def is_doubtful(self) -> bool:
+        """Return whether only a longer look shows whether the rate fell.
 
         One or two missing messages are no reason for a longer look.
         """
         is_late = self.age is not None and self.age > max(_LATE / self.usual, 0.5)
         is_suspicious = is_late or (self.has_fallen and self.expected >= _LATE)
-        lasts = 1.5 * _SURE / self.usual
-        return lasts if is_suspicious and self.expected < _SURE and lasts <= _LONGEST else 0.0
+        return is_suspicious and self.expected < _SURE <= _LONGEST * self.usual
 
 
 @rule(
@@ -177,19 +174,13 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     return finding("slow-rate", facts.values())
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows which rates have fallen; 0 if none may have.
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether rates may have fallen.
 
     A stream that has just stopped may come in bursts.
     """
-    stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
-    least = _BURSTS if stops else 0.0
-    return max(least, *(pace.needed_duration() for pace in _paces(evidence)), 0.0)
-
-
-def may_have_fallen(evidence: Evidence) -> bool:
-    """Return whether a rate may have fallen, so that a whole look may not be enough."""
-    return any(one.has_fallen and one.expected >= _FEW for one in _paces(evidence))
+    stops = (isinstance(by, Stream) for _, by, *_ in _silent(evidence))
+    return any(stops) or any(pace.is_doubtful() for pace in _paces(evidence))
 
 
 @rule(

@@ -17,7 +17,6 @@ from lcmtools.doctor.findings import (
 from lcmtools.graph.model import FullLine, Graph, Node, Role
 
 _SHARE = 0.8  # of the messages that a line takes
-_REPORTS = 2.5  # [s]
 
 
 @rule(
@@ -118,9 +117,9 @@ def lines_take_what_nodes_publish(evidence: Evidence) -> Iterator[Finding]:
     return finding("full-line", facts, *remedies)
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that has two reports of a relay whose line is full."""
-    return _REPORTS if _full_lines(evidence.graph) else 0.0
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether a line is full: two reports of its relay tell what was dropped."""
+    return bool(_full_lines(evidence.graph))
 
 
 def _full_lines(graph: Graph) -> list[tuple[Node, FullLine]]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
+from lcmtools.doctor.findings import Finding, Part, Severity, Subject, finding, rule, state
 
 _RECENT = 10.0  # [s]
 _IGNORED = ": message ignored: "  # as nodes log it, after the topic
@@ -59,9 +59,9 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     raising = {node.name: node.errors for node in evidence.graph.nodes if node.errors}
     facts = []
     for x in evidence.logs:
-        named = {"node": Subject("node", x.node), "level": x.level, "text": x.text}
+        named: dict[str, Part] = {"node": Subject("node", x.node), "level": x.level}
         raised = (e.exception for e in raising.get(x.node, ()) if e.exception in x.text)
         topic, separator, _ = x.text.partition(_IGNORED)
-        fact = state("logged", **named, messages=x.count).of("topic", *[topic][: len(separator)])
+        fact = state("logged", **named, text=x.text, messages=x.count).of("topic", *[topic][: len(separator)])
         facts.append(fact.of("raised", *(f"{x.node} {exception}" for exception in raised)))
     return finding("logged", facts, "read-log")

@@ -18,7 +18,6 @@ from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.simulators import is_paused, silence
 
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
-_SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _RECENT = 10_000_000_000  # [ns] since a publisher's last message
 _SOME = 3  # equal messages are not a coincidence
 _SLOWER = 0.9  # of the target rate
@@ -131,16 +130,15 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         yield from finding(title, facts, *circle, _separation(evidence, several, names))
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows what needs several messages; 0 if it is clear.
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether something needs several messages to be judged.
 
     Those are publishers that compete, and the rate of simulated time.
     """
     several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
     is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
     is_slow_clock = not evidence.clock and any(s.channel == CLOCK_TOPIC for s in evidence.streams)
-    is_unsure = is_unsure or is_slow_clock or _has_late_rival(evidence)
-    return _SECOND_LOOK if is_unsure else 0.0
+    return is_unsure or is_slow_clock or _has_late_rival(evidence)
 
 
 def _has_late_rival(evidence: Evidence) -> bool:

@@ -240,7 +240,7 @@ def test_the_remedy_for_a_full_line_is_a_rate_that_it_takes() -> None:
     assert found(evidence)["relay-losses"].remedies == (
         f"start /its_name again with {options} as well",
     )
-    assert relays.needed_duration(evidence) > 1
+    assert relays.is_in_doubt(evidence)
 
 
 def test_a_server_that_drops_messages_for_a_client_is_named() -> None:
