@@ -21,11 +21,12 @@ from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Str
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.graph.relay_report import Link, State, decode_report
+from lcmtools.messages.codec import decode
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.message_time import UNITS, MessageTime, message_time
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
-from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
@@ -98,7 +99,10 @@ class Listening:
         self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE, port: int = 0
     ) -> None:
         self._share, self._port = share, port
-        self._decoder = Decoder(types_of)
+        self._types_of, self._decoder = types_of, Decoder(types_of)
+        self._classes = BoundedDict[
+            tuple[bytes, tuple[str, ...]], "type[Message] | UnknownFingerprint"
+        ](_MOST_STREAMS)
         self._streams = BoundedDict[_Key, _Stream](_MOST_STREAMS, _MOST_BYTES)
         # the first sender of each payload, by channel
         self._compared = BoundedDict[str, dict[int, Sender | None]](_MOST_STREAMS, _MOST_BYTES)
@@ -132,14 +136,14 @@ class Listening:
         self._compare(packet, stream)
         self._streams.put(key, stream, stream.size())
         try:
-            self._decoder.message_class(packet)  # loading a type does not count as decoding
+            cls = self._class_of(packet)  # loading a type does not count as decoding
         except LcmtoolsError:  # unknown type
             self._inspect_unknown(packet, stream)
             return
         now = time.monotonic()
         has_time = self._spent <= self._share * (now - self._start) + 0.05
         if has_time or packet.channel in (CLOCK_TOPIC, _LOG):
-            self._inspect(packet, key)
+            self._inspect(packet, key, cls)
             self._spent += time.monotonic() - now
 
     def streams(self) -> tuple[Stream, ...]:
@@ -206,6 +210,22 @@ class Listening:
     def _jumps(self) -> int:
         return sum(later[1] < one[1] for one, later in pairwise(self.clock_ticks))
 
+    def _class_of(self, packet: Packet) -> type[Message]:
+        """Return the type of a message, looked up once and not for each channel of a large log.
+
+        Of types with equal fields any one does.
+        """
+        key = packet.payload[:8], tuple(self._types_of(packet.channel))
+        if key not in self._classes:
+            try:
+                self._classes[key] = self._decoder.message_class(packet)
+            except UnknownFingerprint as error:
+                self._classes[key] = error
+        found = self._classes[key]
+        if isinstance(found, UnknownFingerprint):
+            raise found
+        return found
+
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Note whether the same message came before, from the same or another sender."""
         known = self._compared.get(packet.channel) or {}
@@ -229,11 +249,11 @@ class Listening:
             return
         stream.format = foreign_format(packet.payload, is_whole=is_whole)
 
-    def _inspect(self, packet: Packet, key: _Key) -> None:
+    def _inspect(self, packet: Packet, key: _Key, cls: type[Message]) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
         try:
-            message = self._decoder.decode(packet)
+            message = decode(cls, packet.payload)
         except DecodeError as error:
             self._add_oddity("undecodable", key, str(error))
             return

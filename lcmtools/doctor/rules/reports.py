@@ -62,6 +62,7 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
         named: dict[str, Part] = {"node": Subject("node", x.node), "level": x.level}
         raised = (e.exception for e in raising.get(x.node, ()) if e.exception in x.text)
         topic, separator, _ = x.text.partition(_IGNORED)
-        fact = state("logged", **named, text=x.text, messages=x.count).of("topic", *[topic][: len(separator)])
+        fact = state("logged", **named, text=x.text, messages=x.count)
+        fact = fact.of("topic", topic) if separator else fact
         facts.append(fact.of("raised", *(f"{x.node} {exception}" for exception in raised)))
     return finding("logged", facts, "read-log")

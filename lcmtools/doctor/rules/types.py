@@ -148,6 +148,8 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     near: list[Statement] = []
     unknown: list[Statement] = []
     foreign: list[Statement] = []
+    numbers = {number for seen in evidence.graph.traffic for number in seen.fingerprints}
+    known = {number for number in numbers if candidates(number)}
     formats = {(one.channel, one.sender): one.format for one in evidence.streams}
     for topic in evidence.graph.topics():
         if is_hidden(topic.name):
@@ -156,7 +158,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
             is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
-            if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
+            if (is_hash or likely) and known.isdisjoint(seen.fingerprints):
                 sender = _sender(seen, sender_names(evidence))
                 unknown_ones[_sent_by(seen)[0], likely].append(sender)
         for (number, likely), senders in unknown_ones.items():
@@ -177,6 +179,8 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
 
 def disagree(topic: Topic) -> bool:
     """Return whether publishers and subscribers of a topic use different types."""
+    if not (topic.publishers or topic.subscribers) and len(topic.traffic) <= 1:
+        return False  # as of most channels of a large log
     sent = [set(endpoint.fingerprints) for _, endpoint in topic.publishers if endpoint.fingerprints]
     sent += [{fingerprint} for seen in topic.traffic for fingerprint in _sent_by(seen)]
     taken = [set(e.fingerprints) for _, e in topic.subscribers if e.fingerprints]
