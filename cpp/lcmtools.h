@@ -29,6 +29,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -143,6 +144,18 @@ static inline unsigned long long lcmtools_start_ticks(void)
     return at ? strtoull(at, NULL, 10) : 0;
 }
 
+/* Return a number of the process's network namespace, which no later one gets; 0 if unknown. */
+static inline unsigned long long lcmtools_network_cookie(void)
+{
+    uint64_t cookie = 0;
+    socklen_t size = sizeof cookie;
+    int one = socket(AF_INET, SOCK_DGRAM, 0);
+    /* SO_NETNS_COOKIE of asm-generic/socket.h, since Linux 5.14 */
+    if (one < 0 || getsockopt(one, SOL_SOCKET, 71, &cookie, &size) != 0) cookie = 0;
+    if (one >= 0) close(one);
+    return cookie;
+}
+
 /* Make the folder of a bus's records, which no other user can write into; return whether it is there. */
 static inline int lcmtools_make_folder(char *folder, size_t room, const char *url)
 {
@@ -152,25 +165,33 @@ static inline int lcmtools_make_folder(char *folder, size_t room, const char *ur
     if (url == NULL || *url == '\0') url = getenv("LCM_DEFAULT_URL");
     if (url == NULL || *url == '\0') url = "udpm://";
     if (sscanf(url, "%15[^:]://%127[^?]", provider, network) < 1) return 0;
-    int is_server = strcmp(provider, "tcpq") == 0;
+    int is_server = strcmp(provider, "tcpq") == 0, is_group = strcmp(provider, "udpm") == 0 || strcmp(provider, "mpudpm") == 0;
     char *port = strchr(network, ':');
     if (port) *port++ = '\0';
+    if (!is_server && !is_group) *network = '\0';
     if (runtime && stat(runtime, &outer) == 0) snprintf(base, sizeof base, "%s/lcmtools", runtime);
     else snprintf(base, sizeof base, "/tmp/lcmtools-%u", (unsigned) getuid());
     mkdir(base, 0700);
     snprintf(folder, room, "%s/records", base);
     mkdir(folder, 0700);
     snprintf(folder, room, "%s/records/%s-%s-%s", base, provider,
-             *network ? network : is_server ? "127.0.0.1" : "239.255.76.67",
-             port && *port ? port : is_server ? "7700" : "7667");
+             *network ? network : is_server ? "127.0.0.1" : is_group ? "239.255.76.67" : "",
+             port && *port ? port : is_server ? "7700" : is_group ? "7667" : "0");
     mkdir(folder, 0700);
     return lstat(folder, &inner) == 0 && lstat(base, &outer) == 0 && S_ISDIR(inner.st_mode) && inner.st_uid == getuid() &&
            outer.st_uid == getuid() && !(outer.st_mode & (S_IWGRP | S_IWOTH));
 }
 
+/* Add a channel that is published (role 0) or subscribed to (1). */
+static inline void lcmtools_add_topic(lcmtools_announcer *self, const char *channel, int role)
+{
+    if (self->topics[role].size > 0) lcmtools_put_bytes(&self->topics[role], ", ", 2);
+    lcmtools_put_json(&self->topics[role], channel);
+}
+
 static inline void lcmtools_write_record(lcmtools_announcer *self)
 {
-    char path[600], temporary[600], numbers[400];
+    char path[600], temporary[600], numbers[500];
     lcmtools_buffer json = {NULL, 0};
     const char *texts[] = {"{\"version\": 2, \"name\": ", self->name, ", \"id\": ", self->id,
                            ", \"host\": ", self->host, ", \"command\": ", self->command};
@@ -180,15 +201,15 @@ static inline void lcmtools_write_record(lcmtools_announcer *self)
     }
     snprintf(numbers, sizeof numbers,
              ", \"pid\": %d, \"start_time\": %" PRId64 ", \"start_ticks\": %llu, \"network\": %" PRId64
-             ", \"pid_namespace\": %" PRId64,
+             ", \"network_cookie\": %llu, \"pid_namespace\": %" PRId64,
              (int) getpid(), self->start_time, lcmtools_start_ticks(), lcmtools_namespace("/proc/self/ns/net"),
-             lcmtools_namespace("/proc/self/ns/pid"));
+             lcmtools_network_cookie(), lcmtools_namespace("/proc/self/ns/pid"));
     snprintf(path, sizeof path, "%s/%s.json", self->folder, self->id);
     snprintf(temporary, sizeof temporary, "%s/.%s", self->folder, self->id);
     FILE *file = fopen(temporary, "w");
     if (file) {
-        fprintf(file, "%s%s, \"publishes\": [%s], \"subscribes\": [%s]}", json.data, numbers, self->topics[0].data,
-                self->topics[1].data);
+        fprintf(file, "%s%s, \"publishes\": [%s], \"subscribes\": [%s]}", json.data, numbers,
+                self->topics[0].data ? self->topics[0].data : "", self->topics[1].data ? self->topics[1].data : "");
         if (fclose(file) != 0 || rename(temporary, path) != 0) remove(temporary);
     }
     free(json.data);
@@ -238,14 +259,19 @@ static inline void lcmtools_announce(lcmtools_announcer *self, int is_leaving)
     free(message.data);
 }
 
-static inline void lcmtools_say_goodbye(lcmtools_announcer *self)
+static inline void lcmtools_remove_record(const char *folder, const char *id)
 {
     char path[600];
+    snprintf(path, sizeof path, "%s/%s.json", folder, id);
+    remove(path);
+}
+
+static inline void lcmtools_say_goodbye(lcmtools_announcer *self)
+{
     pthread_mutex_lock(&self->mutex);
     if (!self->is_over) lcmtools_announce(self, 1);
     self->is_over = 1;
-    snprintf(path, sizeof path, "%s/%s.json", self->folder, self->id);
-    remove(path);
+    lcmtools_remove_record(self->folder, self->id);
     pthread_mutex_unlock(&self->mutex);
 }
 
@@ -345,8 +371,7 @@ static inline void lcmtools_declare(lcmtools_announcer *self, const char *channe
     lcmtools_put_bytes(&self->endpoints, endpoint.data, endpoint.size);
     ++self->number_of_endpoints;
     self->is_listening |= role == 1;
-    if (self->topics[role].size > 0) lcmtools_put_bytes(&self->topics[role], ", ", 2);
-    lcmtools_put_json(&self->topics[role], channel);
+    lcmtools_add_topic(self, channel, role);
     if (*self->folder && !self->is_over) lcmtools_write_record(self);
     pthread_mutex_unlock(&self->mutex);
     free(endpoint.data);
@@ -458,7 +483,6 @@ static inline lcmtools_announcer *lcmtools_announcer_create(lcm_t *lcm, const ch
     for (int i = 0; i < 2; ++i) {
         fcntl(self->wakeup[i], F_SETFL, O_NONBLOCK);
         fcntl(self->wakeup[i], F_SETFD, FD_CLOEXEC);
-        lcmtools_put_bytes(&self->topics[i], "", 0);
     }
     pthread_mutex_init(&self->mutex, NULL);
     sigset_t all, usual; /* the thread leaves signals to the program's own threads */

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lcmtools.node.spinning import spin as spin
     from lcmtools.node.spinning import spin_in_background as spin_in_background
     from lcmtools.node.spinning import spin_once as spin_once
+    from lcmtools.node.spinning import spin_until_future_complete as spin_until_future_complete
     from lcmtools.packages import message_class as message_class
 
 _HOMES = {
@@ -35,7 +36,10 @@ _HOMES = {
     "message_class": "lcmtools.packages",
     **dict.fromkeys(("from_dict", "to_dict"), "lcmtools.messages.dicts"),
     **dict.fromkeys(("init", "ok", "shutdown"), "lcmtools.node.process"),
-    **dict.fromkeys(("spin", "spin_in_background", "spin_once"), "lcmtools.node.spinning"),
+    **dict.fromkeys(
+        ("spin", "spin_in_background", "spin_once", "spin_until_future_complete"),
+        "lcmtools.node.spinning",
+    ),
 }
 
 __all__ = [
@@ -55,6 +59,7 @@ __all__ = [
     "spin",
     "spin_in_background",
     "spin_once",
+    "spin_until_future_complete",
     "to_dict",
 ]
 

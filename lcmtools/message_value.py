@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
 from reprlib import recursive_repr
-from typing import BinaryIO, ClassVar, NamedTuple, Protocol, TypeGuard
+from typing import TYPE_CHECKING, BinaryIO, ClassVar, NamedTuple, Protocol, TypeGuard
 
 _MOST_ELEMENTS = 8
 _MOST_BYTES = 32
@@ -49,9 +49,11 @@ class MessageValue:
 
             cls._encode_one = encode_settled  # type: ignore[attr-defined] # lcm-gen's
 
-    def __getattr__(self, name: str) -> object:
-        """Raise the error for a field that the message does not have."""
-        raise NoField(self, name)
+    if not TYPE_CHECKING:  # a type checker knows the fields
+
+        def __getattr__(self, name: str) -> object:
+            """Raise the error for a field that the message does not have."""
+            raise NoField(self, name)
 
     def __repr__(self) -> str:
         """Return the type and its fields; long arrays, bytes and strings are cut."""
@@ -122,8 +124,10 @@ def _check_size(name: str, size: int | str, count: int, first: tuple[int, str]) 
     if isinstance(size, int) and count != size:
         raise ValueMismatch(f"{name}: expected {size} elements, got {count}")
     if count != first[0]:
-        what = f"{name}: has {count} elements where {first[1]} has {first[0]}"
-        raise ValueMismatch(f"{what}; they must be equal")
+        what = f"has {count} elements where {first[1]} has {first[0]}; they must be equal"
+        if first[1] == name:
+            what = f"its rows differ in length: {first[0]} and {count}"
+        raise ValueMismatch(f"{name}: {what}")
 
 
 def name_fields(error: BaseException) -> None:

@@ -4,7 +4,7 @@
 #     find_package(lcmtools REQUIRED)
 #     add_executable(listener listener.cpp)
 #     target_link_libraries(listener PRIVATE lcmtools::lcmtools)
-#     lcmtools_generate(listener std_msgs geometry_msgs/Twist)
+#     lcmtools_generate(listener std_msgs geometry_msgs/Twist acme FOLDERS ../types)
 include(CMakeFindDependencyMacro)
 find_dependency(Threads)
 
@@ -41,23 +41,38 @@ if(NOT TARGET lcmtools::lcmtools)
   endif()
 endif()
 
-# lcmtools_generate(TARGET TYPE...) lets a target include the C++ code of types, which are named as for
-# lcmtools msg generate: a package (std_msgs) or a type (geometry_msgs/Twist), also of one's own. It is
-# made again when a file in the folders msg and srv, or in those of a Python package, changes.
+# lcmtools_generate(TARGET TYPE... [FOLDERS FOLDER...]) lets a target include the C++ code of types, which
+# are named as for lcmtools msg generate: a package (std_msgs) or a type (geometry_msgs/Twist), also of
+# one's own, whose files are in the folders msg and srv, in those of a Python package, or below FOLDERS.
+# The code is made again when one of these files changes.
 function(lcmtools_generate target)
+  cmake_parse_arguments(PARSE_ARGV 1 of "" "" FOLDERS)
   if(NOT LCMTOOLS_PROGRAM)
     message(FATAL_ERROR "lcmtools_generate: there is no lcmtools on the PATH; -DLCMTOOLS_PROGRAM=... names it")
   endif()
-  set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}_types")
-  set(places msg srv */msg */srv)
-  list(TRANSFORM places REPLACE "(.+)" "${CMAKE_CURRENT_SOURCE_DIR}/\\1/*")
-  file(GLOB own CONFIGURE_DEPENDS ${places})
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${own})
-  execute_process(COMMAND "${LCMTOOLS_PROGRAM}" msg generate --lang cpp "${folder}" ${ARGN}
+  set(places msg/* srv/* */msg/* */srv/*)
+  list(TRANSFORM places PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
+  file(GLOB watched CONFIGURE_DEPENDS ${places})
+  set(path "$ENV{LCMTOOLS_TYPE_PATH}")
+  foreach(name IN LISTS of_FOLDERS)
+    get_filename_component(folder "${name}" ABSOLUTE)
+    if(NOT IS_DIRECTORY "${folder}")
+      message(FATAL_ERROR "lcmtools_generate(${target}): there is no folder ${folder}")
+    endif()
+    file(GLOB_RECURSE own CONFIGURE_DEPENDS
+      "${folder}/*.lcm" "${folder}/*.msg" "${folder}/*.srv" "${folder}/*.action")
+    list(APPEND watched ${own})
+    string(PREPEND path "${folder}:")
+  endforeach()
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${watched})
+  set(made "${CMAKE_CURRENT_BINARY_DIR}/${target}_types")
+  execute_process(
+    COMMAND "${CMAKE_COMMAND}" -E env "LCMTOOLS_TYPE_PATH=${path}"
+      "${LCMTOOLS_PROGRAM}" msg generate --lang cpp "${made}" ${of_UNPARSED_ARGUMENTS}
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
     OUTPUT_QUIET ERROR_VARIABLE error RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
-    message(FATAL_ERROR "${error}")
+    message(FATAL_ERROR "  ${error}")  # the spaces keep its lines whole
   endif()
-  target_include_directories(${target} PRIVATE "${folder}")
+  target_include_directories(${target} PRIVATE "${made}")
 endfunction()

@@ -4,6 +4,7 @@
 #include <lcm/lcm.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -46,9 +47,25 @@ inline std::string choose_url(const Arguments& arguments) {
   return domain_url(domain.empty() ? "0" : domain);
 }
 
+// Return whether a recording is played to this program in lock-step; `start` is the time then [ns].
+inline bool is_in_lockstep(std::int64_t* start = nullptr) {
+  const char* variable = std::getenv("LCMTOOLS_LOCKSTEP");
+  if (variable && start) *start = std::atoll(variable);
+  return variable && *variable;
+}
+
 inline std::string default_namespace() {
   const char* variable = std::getenv("LCMTOOLS_NAMESPACE");
   return variable && *variable ? variable : user_setting("namespace");
+}
+
+// Ask for as large a receive buffer as the system grants, unless the URL has one: an image's fragments
+// come in one burst.
+inline std::string with_buffer(const std::string& url) {
+  long most = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  if (most <= 0 || url.find("udpm") > 2 || url.find("recv_buf_size") != std::string::npos) return url;
+  return url + (url.find('?') == std::string::npos ? "?" : "&") + "recv_buf_size=" + std::to_string(std::min(most, 8L << 20));
 }
 
 inline lcm_t* open_bus(const std::string& url) {
@@ -58,10 +75,15 @@ inline lcm_t* open_bus(const std::string& url) {
   if (provider == "zenoh") throw Error(url + ": liblcm has no Zenoh", "lcmtools relay connects it with another bus");
   if (std::find(providers.begin(), providers.end(), provider) == providers.end())
     throw Error("LCM URL '" + url + "': no LCM provider '" + provider + "'", example);
-  const auto group = url.substr(std::min(url.size(), provider.size() + 3));
-  if (provider.find("udpm") != std::string::npos && !group.empty() && group[0] != '?' && group.find(':') == std::string::npos)
-    throw Error("LCM URL '" + url + "': the port is missing", example);
-  lcm_t* lcm = lcm_create(url.c_str());
+  const auto group = url.substr(std::min(url.size(), provider.size() + 3), url.find('?') - provider.size() - 3);
+  if (provider.find("udpm") != std::string::npos && !group.empty()) {
+    if (group.find(':') == std::string::npos) throw Error("LCM URL '" + url + "': the port is missing", example);
+    const auto port = group.substr(group.find(':') + 1);  // liblcm takes another for 0, and hangs
+    const bool is_number = !port.empty() && port.size() < 6 && std::all_of(port.begin(), port.end(), names::is_digit);
+    if (!is_number || std::stoi(port) < 1 || std::stoi(port) > 65535)
+      throw Error("LCM URL '" + url + "': '" + port + "' is not a port", example);
+  }
+  lcm_t* lcm = lcm_create(with_buffer(url).c_str());
   if (!lcm) throw Error("cannot connect to " + url, "see lcmtools wtf");
   return lcm;
 }

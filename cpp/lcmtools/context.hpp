@@ -1,6 +1,6 @@
-// A program's connection to the bus, the announcements of its nodes, and its signals. One thread
-// receives all messages into queues and announces; liblcm's lcm_handle and lcm_unsubscribe are called
-// by it alone. Users' callbacks run elsewhere (node.hpp). Include node.hpp instead.
+// A program's connection to the bus, the announcements of its nodes, and its signals. A thread of its
+// own announces, and receives messages into queues while no thread that waits for them does so itself.
+// Users' callbacks run elsewhere (node.hpp). Include node.hpp instead.
 #pragma once
 
 #include <fcntl.h>
@@ -13,14 +13,16 @@
 #include <cerrno>
 #include <condition_variable>
 #include <exception>
+#include <future>
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "lcmtools/bus.hpp"
 #include "lcmtools/endpoint.hpp"
-#include "lcmtools/record.hpp"
+#include "lcmtools.h"
 
 namespace lcmtools {
 
@@ -44,16 +46,21 @@ extern "C" inline void lcmtools_on_signal(int number) {
   errno = error;
 }
 
+template <class Future>
+bool is_ready(const Future& future) {
+  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
 class Context {
  public:
   using Take = std::function<void(const std::uint8_t*, std::size_t)>;
 
   std::mutex mutex;                 // of all that follows, of ends and of participants
-  std::condition_variable changed;  // something may be ready, or the program should end
   Arguments arguments;
   std::string command;
   std::vector<std::string> notices;       // warnings about the command line, for the next node's log
-  std::vector<std::string> declared;      // names of parameters
+  std::set<std::string> declared;         // names of parameters
+  std::set<std::string> used, used_remaps;  // full names of topics before remaps; remaps that applied
   bool is_first = true;                   // __name:= names the first node
   const std::string ns = default_namespace();
 
@@ -62,43 +69,77 @@ class Context {
     char name[256] = "";
     ::gethostname(name, sizeof name - 1);
     host_ = name;
-    if (::pipe(wakeup_) != 0) throw Error("there are too many open files");
-    for (int end : wakeup_) ::fcntl(end, F_SETFL, O_NONBLOCK), ::fcntl(end, F_SETFD, FD_CLOEXEC);
-    // the signals are for the program's own threads, not for liblcm's and ours
+    const auto url = choose_url(arguments);
+    lcm_.reset(open_bus(url));
+    if (!lcmtools_make_folder(records_, sizeof records_, url.c_str())) *records_ = '\0';
+    is_lendable_ = url.compare(0, 4, "tcpq") != 0;  // its lcm_handle waits for the rest of a message
+    subscribe("/_lcmtools/probe", [this](auto data, auto size) { take_probe(data, size); });
+    subscribe("/_lcmtools/shutdown", [this](auto data, auto size) { take_shutdown(data, size); });
+    if (is_in_lockstep()) subscribe("/_lcmtools/step", [this](auto data, auto size) { take_step(data, size); });
+    if (lcm_get_fileno(lcm_.get()) < 0) throw Error("nothing can be received from this bus");
+    // the signals are for the program's own threads
     sigset_t ending, usual;
     sigemptyset(&ending);
     for (int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&ending, number);
     pthread_sigmask(SIG_BLOCK, &ending, &usual);
-    try {
-      const auto url = choose_url(arguments);
-      lcm_ = open_bus(url);
-      records_ = record_folder(url);
-      subscribe("/_lcmtools/probe", [this](auto data, auto size) { take_probe(data, size); });
-      subscribe("/_lcmtools/shutdown", [this](auto data, auto size) { take_shutdown(data, size); });
-      if (lcm_get_fileno(lcm_) < 0) throw Error("nothing can be received from this bus");
-      thread_ = std::thread([this] { run(); });
-    } catch (...) {
-      pthread_sigmask(SIG_SETMASK, &usual, nullptr);
-      release();
-      throw;
-    }
+    thread_ = std::thread([this] { run(); });
     pthread_sigmask(SIG_SETMASK, &usual, nullptr);
   }
-  ~Context() {
-    close();
-    release();
-  }
+  ~Context() { close(); }
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  int wakeup() const { return wakeup_[1]; }
+  int wakeup() const { return wakeup_.ends[1]; }
   bool is_closed() const { return is_closed_; }
 
   void stop() {
     signals.is_stopping = true;
-    wake();
+    wakeup_.set();
+    notify();
   }
 
+  // Wait until something may have changed, or until a time; `lock` is of the mutex. If no other thread
+  // does, the calling one receives meanwhile: no message has to be passed on to it.
+  void wait(std::unique_lock<std::mutex>& lock, std::int64_t until) {
+    if (!is_lendable_ || is_led_.exchange(true)) {
+      changed_.wait_for(lock, std::chrono::nanoseconds(std::clamp<std::int64_t>(until - steady_now(), 0, longest_wait)));
+      return;
+    }
+    lock.unlock();
+    if (!receiving_.try_lock()) {
+      wakeup_.set();
+      receiving_.lock();
+    }
+    receive(leader_wakeup_, until);
+    ++turns_;
+    receiving_.unlock();
+    is_led_ = false;
+    if (is_resting_.exchange(false)) wakeup_.set();
+    lock.lock();
+    changed_.notify_all();  // another thread that waits is the next to receive
+  }
+  // Wait for a future until a time, or the program's end; return true if it is ready.
+  template <class Future>
+  bool wait_for(const Future& future, std::int64_t until) {
+    std::unique_lock lock(mutex);
+    while (!is_ready(future) && !signals.is_stopping && steady_now() < until) wait(lock, until);
+    return is_ready(future);
+  }
+  // Wake the threads that wait.
+  void notify() {
+    const std::lock_guard lock(mutex);
+    changed_.notify_all();
+    if (is_led_) leader_wakeup_.set();
+  }
+
+  void say_all_goodbyes() {
+    std::vector<std::shared_ptr<Participant>> nodes;
+    {
+      const std::lock_guard lock(mutex);
+      nodes = participants_;
+    }
+    for (const auto& one : nodes) remove(one);
+  }
   // Say goodbye for all nodes, and receive no more.
   void close() {
     if (is_closed_.exchange(true)) return;
@@ -108,7 +149,7 @@ class Context {
   }
 
   bool publish(const std::string& channel, const void* data, std::size_t size) {
-    return lcm_publish(lcm_, channel.c_str(), data, static_cast<unsigned>(size)) >= 0;
+    return lcm_publish(lcm_.get(), channel.c_str(), data, static_cast<unsigned>(size)) >= 0;
   }
   template <class Message>
   void publish(const std::string& channel, const Message& message) {
@@ -120,7 +161,7 @@ class Context {
     std::string pattern;  // liblcm takes a regular expression
     for (char c : channel) pattern += (names::is_in(c, ".[]{}()*+?^$|\\") ? "\\" : "") + std::string(1, c);
     auto kept = std::make_unique<Take>(std::move(take));
-    auto* subscription = lcm_subscribe(lcm_, pattern.c_str(), on_message, kept.get());
+    auto* subscription = lcm_subscribe(lcm_.get(), pattern.c_str(), on_message, kept.get());
     if (!subscription) throw Error("the bus does not accept a subscription to " + channel);
     lcm_subscription_set_queue_capacity(subscription, 0);  // the queues that drop are ours
     const std::lock_guard lock(mutex);
@@ -130,17 +171,13 @@ class Context {
   // Have an end receive a channel's messages until it is closed.
   lcm_subscription_t* subscribe(const std::string& channel, const std::shared_ptr<End>& end) {
     return subscribe(channel, [this, end](const std::uint8_t* data, std::size_t size) {
-      {
-        const std::lock_guard lock(mutex);
-        if (!end->is_closed) end->receive(data, size);
-      }
-      changed.notify_all();  // without the mutex, which the woken thread takes
+      const std::lock_guard lock(mutex);
+      if (!end->is_closed) end->receive(data, size);
     });
   }
   void unsubscribe(lcm_subscription_t* subscription) {
     const std::lock_guard lock(mutex);
     removals_.push_back(subscription);
-    wake();
   }
 
   void add(const std::shared_ptr<Participant>& participant) {
@@ -161,7 +198,33 @@ class Context {
     lock.unlock();
     goodbye.state = wire::Announcement::LEAVING;
     publish(node_channel, goodbye);
-    remove_record(records_, participant->id);
+    lcmtools_remove_record(records_, participant->id.c_str());
+  }
+
+  // Answer the step of a recording that is played to this program in lock-step (bag rerun): nothing is
+  // left to do for its nodes, and the next timer is due at `next` [ns], simulated time.
+  void finish_step(std::int64_t next) {
+    std::unique_lock lock(mutex);
+    const auto is_busy = [](const auto& one) { return !one->ready.empty(); };
+    if (step_ < 0 || std::any_of(participants_.begin(), participants_.end(), is_busy)) return;
+    const auto answer = wire::encoded(wire::Step{std::exchange(step_, -1), next});
+    lock.unlock();
+    publish("/_lcmtools/done", answer.data(), answer.size());
+  }
+  bool has_step_locked() const { return step_ >= 0; }
+
+  // Return the node that has a service in this program, if no other thread spins it.
+  std::string idle_server_locked(const std::string& service) const {
+    for (const auto& node : participants_)
+      for (const auto& end : node->ends)
+        if (end->record.role == wire::SERVICE && end->record.topic == service &&
+            (node->spinner == std::thread::id() || node->spinner == std::this_thread::get_id()))
+          return node->name;
+    return "";
+  }
+
+  void repeat_soon_locked(std::int64_t due) {
+    if (due < repeat_due_) repeat_due_ = due, wakeup_.set();
   }
 
   void announce_soon() {
@@ -171,7 +234,7 @@ class Context {
   void announce_soon_locked() {
     is_behind_ = true;
     const auto due = steady_now() + change_delay;
-    if (due < due_) due_ = due, wake();
+    if (due < due_) due_ = due, wakeup_.set();
   }
   // Announce all nodes now if one has changed, ahead of any message that is sent next.
   void announce_changes() {
@@ -190,40 +253,98 @@ class Context {
     }
   }
 
-  void wake() {
-    if (::write(wakeup_[1], "w", 1) < 0) return;  // it is full: the thread will wake anyway
+  // A pipe: a byte wakes the thread that polls it.
+  struct Wakeup {
+    int ends[2] = {-1, -1};
+    Wakeup() {
+      if (::pipe(ends) != 0) throw Error("there are too many open files");
+      for (int end : ends) ::fcntl(end, F_SETFL, O_NONBLOCK), ::fcntl(end, F_SETFD, FD_CLOEXEC);
+    }
+    ~Wakeup() {
+      for (int end : ends) ::close(end);
+    }
+    void set() {
+      if (::write(ends[1], "w", 1) < 0) return;  // it is full: the thread will wake anyway
+    }
+    // Forget all bytes; return whether one was a signal's.
+    bool clear() {
+      char bytes[64];
+      bool is_signal = false;
+      for (ssize_t size; (size = ::read(ends[0], bytes, sizeof bytes)) > 0;)
+        is_signal = is_signal || std::find(bytes, bytes + size, 's') != bytes + size;
+      return is_signal;
+    }
+  };
+
+  static void wait_for(pollfd* waits, nfds_t number, std::int64_t until) {
+    const auto left = std::clamp<std::int64_t>(until - steady_now(), 0, longest_wait);
+#ifdef __APPLE__
+    ::poll(waits, number, static_cast<int>((left + ms - 1) / ms));
+#else
+    const timespec span = {static_cast<time_t>(left / 1'000'000'000), static_cast<long>(left % 1'000'000'000)};
+    ::ppoll(waits, number, &span, nullptr);
+#endif
+  }
+
+  // Receive all messages that are there, or wait for one until a time; with the right to receive.
+  void receive(Wakeup& wakeup, std::int64_t until) {
+    pollfd waits[] = {{lcm_get_fileno(lcm_.get()), POLLIN, 0}, {wakeup.ends[0], POLLIN, 0}};
+    const auto began = steady_now();
+    wait_for(waits, 2, until);
+    if (waits[1].revents && &wakeup == &leader_wakeup_) wakeup.clear();
+    // a message that was waited for is the only one, which saves a call of the system; callbacks and
+    // announcements wait for the end of a flood, but not for ever
+    for (int left = steady_now() - began > ms / 50 ? 1 : 1000; left > 0 && waits[0].revents; --left) {
+      if (lcm_handle(lcm_.get()) < 0)  // a lost server, to which liblcm connects again
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      waits[0].revents = 0;
+      if (left > 1) ::poll(waits, 1, 0);
+    }
+    unsubscribe_all();
   }
 
   void run() {
-    while (true) {
-      pollfd waits[] = {{lcm_get_fileno(lcm_), POLLIN, 0}, {wakeup_[0], POLLIN, 0}};
-      ::poll(waits, 2, milliseconds_left());
-      if (waits[1].revents) take_wakeups();
-      if (is_closed_) return;
-      if (waits[0].revents && lcm_handle(lcm_) < 0)  // a lost server, to which liblcm connects again
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      unsubscribe_all();
+    while (!is_closed_) {
+      const auto due = next_due();
+      const auto turns = turns_.load();
+      if (std::exchange(seen_turns_, turns) != turns) {  // it is trusted to come back
+        follow(std::min(due, steady_now() + patience));
+      } else if ((is_resting_ = is_led_.load())) {
+        follow(is_led_ ? due : 0);
+        is_resting_ = false;
+      } else if (const std::unique_lock lock(receiving_, std::try_to_lock); lock) {
+        receive(wakeup_, due);
+        notify();
+      }
+      if (wakeup_.clear()) take_signal();
       announce_if_due();
       answer_aimed();
+      repeat();
     }
   }
-
-  int milliseconds_left() {
-    const std::lock_guard lock(mutex);
-    const auto due = std::min({due_, answer_due_, aimed_.empty() ? never : aimed_from_});
-    const auto left = (due - steady_now() + ms - 1) / ms;
-    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1000));
+  // Wait while another thread receives, or has just done so.
+  void follow(std::int64_t until) {
+    pollfd wait = {wakeup_.ends[0], POLLIN, 0};
+    wait_for(&wait, 1, until);
   }
 
-  void take_wakeups() {
-    char bytes[64];
-    ssize_t size;
-    bool is_signal = false;
-    while ((size = ::read(wakeup_[0], bytes, sizeof bytes)) > 0)
-      is_signal = is_signal || std::find(bytes, bytes + size, 's') != bytes + size;
-    if (is_signal) take_signal();
+  std::int64_t next_due() {
     const std::lock_guard lock(mutex);
-    changed.notify_all();
+    return std::min({due_, answer_due_, repeat_due_, aimed_.empty() ? never : aimed_from_});
+  }
+
+  // Send requests again that were not answered.
+  void repeat() {
+    const auto now = steady_now();
+    std::vector<std::pair<std::string, wire::Bytes>> sent;
+    {
+      const std::lock_guard lock(mutex);
+      if (now < repeat_due_) return;
+      repeat_due_ = never;
+      for (const auto& node : participants_)
+        for (const auto& end : node->ends) repeat_due_ = std::min(repeat_due_, end->repeat(now, sent));
+    }
+    for (const auto& [channel, payload] : sent) publish(channel, payload.data(), payload.size());
   }
 
   // After the second signal the program ends at once, with its goodbyes. timeout(1) sends each one
@@ -236,6 +357,7 @@ class Context {
       ::kill(::getpid(), signals.number);
     }
     if (!first_signal_) first_signal_ = now;
+    notify();
   }
 
   void unsubscribe_all() {
@@ -244,7 +366,7 @@ class Context {
       const std::lock_guard lock(mutex);
       removals.swap(removals_);
     }
-    for (auto* one : removals) lcm_unsubscribe(lcm_, one);
+    for (auto* one : removals) lcm_unsubscribe(lcm_.get(), one);
   }
 
   void announce_if_due() {
@@ -295,7 +417,7 @@ class Context {
     message.command = command, message.software = std::string("lcmtools C++ ") + version;
     message.start_time = node.start_time, message.sent = system_now();
     wire::NodeDetails details, constant;  // the second without counters
-    details.pid_namespace = own_namespace("pid");
+    details.pid_namespace = lcmtools_namespace("/proc/self/ns/pid");
     details.busy = node.timed.busy + node.timed.current();
     for (const auto& end : node.ends) {
       if (end->is_closed) continue;
@@ -318,16 +440,24 @@ class Context {
   }
 
   void record(Participant& node, const wire::Announcement& described) {
-    if (std::exchange(node.recorded, described.revision) == described.revision) return;
-    std::vector<wire::Endpoint> ends;
-    for (const auto& end : node.ends) ends.push_back(end->record);
-    write_record(records_, described, ends);
+    if (!*records_ || std::exchange(node.recorded, described.revision) == described.revision) return;
+    lcmtools_announcer file = {};  // only what is recorded
+    const auto copy = [](char* field, std::size_t room, const std::string& text) { text.copy(field, room - 1); };
+    copy(file.name, sizeof file.name, node.name), copy(file.id, sizeof file.id, node.id);
+    copy(file.host, sizeof file.host, host_), copy(file.command, sizeof file.command, command);
+    copy(file.folder, sizeof file.folder, records_);
+    file.start_time = node.start_time;
+    for (const auto& end : node.ends)
+      if (end->record.role <= wire::SUBSCRIBER) lcmtools_add_topic(&file, end->record.topic.c_str(), end->record.role);
+    lcmtools_write_record(&file);
+    for (const auto& topics : file.topics) std::free(topics.data);
   }
 
   void take_probe(const std::uint8_t* data, std::size_t size) {
     wire::Probe probe;
     if (probe.decode(data, 0, static_cast<int>(size)) < 0) return;
     const std::lock_guard lock(mutex);
+    wakeup_.set();  // another thread may receive
     if (!probe.target.empty()) {
       const auto has_name = [&](const auto& one) { return one->name == probe.target; };
       if (std::any_of(participants_.begin(), participants_.end(), has_name)) aimed_[probe.target] = probe.nonce;
@@ -337,6 +467,13 @@ class Context {
     // a second probe is sent in case an answer is lost: it gets an answer of its own
     owes_another_ = answer_due_ != never;
     answer_due_ = std::min(answer_due_, steady_now() + static_cast<std::int64_t>(random_() % answer_spread));
+  }
+
+  void take_step(const std::uint8_t* data, std::size_t size) {
+    wire::Reader reader{data, data + size};
+    const std::lock_guard lock(mutex);
+    reader(step_);
+    changed_.notify_all();
   }
 
   // End the program as by SIGTERM; first answer, so that a program that hangs is recognized.
@@ -358,29 +495,25 @@ class Context {
     else stop();
   }
 
-  void say_all_goodbyes() {
-    std::vector<std::shared_ptr<Participant>> nodes;
-    {
-      const std::lock_guard lock(mutex);
-      nodes = participants_;
-    }
-    for (const auto& one : nodes) remove(one);
-  }
+  static constexpr std::int64_t longest_wait = 3600 * period;
+  static constexpr std::int64_t patience = 10 * ms;  // that a thread that has received may be away
 
-  void release() {
-    if (lcm_) lcm_destroy(lcm_);
-    for (int end : wakeup_) ::close(end);
-  }
-
-  lcm_t* lcm_ = nullptr;
-  int wakeup_[2] = {-1, -1};
-  std::string host_, records_;
+  std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm_{nullptr, lcm_destroy};
+  std::condition_variable changed_;  // for threads that wait and do not receive
+  Wakeup wakeup_, leader_wakeup_;    // of the own thread, and of the one that waits and receives
+  std::mutex receiving_;             // held by the thread that calls lcm_handle and lcm_unsubscribe
+  std::atomic<bool> is_led_{false}, is_resting_{false};  // another thread receives; the own one sleeps until it leaves
+  std::atomic<unsigned> turns_{0};  // of other threads that received
+  unsigned seen_turns_ = 0;
+  bool is_lendable_ = true;
+  std::string host_;
+  char records_[512] = "";  // the folder of the records of running nodes
   std::thread thread_;
   std::mutex sending_;  // before `mutex`
   std::vector<std::shared_ptr<Participant>> participants_;
   std::vector<lcm_subscription_t*> removals_;
   std::deque<std::unique_ptr<Take>> takes_;  // kept until the end: liblcm may still call one
-  std::int64_t due_ = steady_now() + period, answer_due_ = never, nonce_ = 0, next_count_ = 0, first_signal_ = 0;
+  std::int64_t due_ = steady_now() + period, repeat_due_ = never, answer_due_ = never, nonce_ = 0, next_count_ = 0, first_signal_ = 0, step_ = -1;
   std::map<std::string, std::int64_t> aimed_;  // nonces of probes of single nodes; of the own thread alone
   std::int64_t aimed_from_ = 0;
   bool owes_another_ = false, is_behind_ = true, is_shutdown_requested_ = false;
@@ -392,7 +525,6 @@ class Context {
 struct Process {
   std::shared_ptr<Context> context;
   std::vector<std::pair<int, struct sigaction>> handlers;  // as before init
-  std::terminate_handler on_terminate = nullptr;
 };
 inline Process& process() {
   static Process one;
@@ -404,17 +536,22 @@ inline std::shared_ptr<Context> current_context() {
   return process().context;
 }
 
-// Print an Error that nobody caught as one line, and end the program with its goodbyes.
+// Print an Error that nobody caught as one line, and end the program with its goodbyes. As always when
+// an exception is not caught, no destructor runs: other threads go on meanwhile.
+inline void on_terminate();
+inline const std::terminate_handler earlier_on_terminate = std::set_terminate(on_terminate);
 inline void on_terminate() {
   try {
     if (const auto current = std::current_exception()) std::rethrow_exception(current);
   } catch (const Error& error) {
-    std::cerr << "error: " << error.what() << std::endl;
-    std::exit(1);
+    std::cerr << "error: " + printable(error.what(), "") + "\n" << std::flush;
+    if (const auto context = process().context) context->say_all_goodbyes();
+    std::cout.flush();
+    std::fflush(nullptr);
+    std::_Exit(1);
   } catch (...) {
   }
-  if (process().on_terminate) process().on_terminate();
-  std::abort();
+  earlier_on_terminate();
 }
 
 }  // namespace detail
@@ -438,7 +575,6 @@ inline void shutdown() {
 // SIGPIPE (as in `./node | head`) make spin return and ok() false.
 inline std::vector<std::string> init(int argc, const char* const* argv, bool handle_signals = true) {
   auto& process = detail::process();
-  if (!process.on_terminate) process.on_terminate = std::set_terminate(detail::on_terminate);
   if (process.context) throw Error("lcmtools::init() was called twice", "call lcmtools::shutdown() between");
   std::string command;
   for (int i = 0; i < argc; ++i) command += (i ? " " : "") + std::string(argv[i]);

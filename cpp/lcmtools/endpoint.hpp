@@ -11,6 +11,8 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "lcmtools/type_name.hpp"
@@ -28,6 +30,11 @@ inline std::int64_t steady_now() {
 }
 inline std::int64_t system_now() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+// Return the time by the steady clock after some seconds, which may be infinite.
+inline std::int64_t time_after(std::chrono::duration<double> seconds) {
+  return steady_now() + static_cast<std::int64_t>(std::clamp(seconds.count(), 0.0, 1e9) * 1e9);
 }
 
 inline std::string unique_id() {
@@ -64,6 +71,8 @@ struct End {
   virtual ~End() = default;
   virtual void receive(const std::uint8_t*, std::size_t) {}  // with the mutex held
   virtual void run() {}  // the callback of what has waited longest, without the mutex
+  // Give what is to be sent again, with its channel; return the next time for it. With the mutex held.
+  virtual std::int64_t repeat(std::int64_t, std::vector<std::pair<std::string, wire::Bytes>>&) { return never; }
 
   void count(std::size_t size) {
     ++record.messages, record.bytes += static_cast<std::int64_t>(size), record.last_time = system_now();
@@ -107,6 +116,7 @@ struct Participant {
   std::vector<std::shared_ptr<End>> ends;
   std::deque<std::shared_ptr<End>> ready;  // one element for each call of `run`, in order of arrival
   Stopwatch timed;                         // callbacks of timers
+  std::thread::id spinner;                 // the thread in lcmtools::spin
   std::vector<wire::CallbackError> errors;  // different ones, the newest last
   std::optional<std::int64_t> recorded;     // the revision in its record
   std::function<void(const std::string&)> warn = [](const std::string&) {};

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdarg>
 #include <cstddef>
+#include <cstdio>
+#include <cstring>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -19,6 +22,33 @@ class Error : public std::runtime_error {
   explicit Error(const std::string& what, const std::string& hint = "")
       : std::runtime_error(hint.empty() ? what : what + "; " + hint) {}
 };
+
+// Return a text as printf makes it.
+[[gnu::format(printf, 1, 2)]] inline std::string format(const char* pattern, ...) {
+  va_list values, again;
+  va_start(values, pattern);
+  va_copy(again, values);
+  std::string text(static_cast<std::size_t>(std::max(0, std::vsnprintf(nullptr, 0, pattern, values))), ' ');
+  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
+  va_end(again);
+  va_end(values);
+  return text;
+}
+
+namespace detail {
+
+// Escape what could change a terminal.
+inline std::string printable(const std::string& text, const char* kept = "\n\t") {
+  std::string result;
+  for (char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if ((code >= 0x20 && code != 0x7f) || (c && std::strchr(kept, c))) result += c;
+    else result += format("\\x%02x", code);
+  }
+  return result;
+}
+
+}  // namespace detail
 
 namespace names {
 

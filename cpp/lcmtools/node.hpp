@@ -67,7 +67,16 @@ class Node : public Parameters {
   // The time [ns since 1970], or that of /clock with _use_sim_time:=true.
   std::int64_t now() const { return is_simulated_ ? sim_time_.load() : detail::system_now(); }
 
-  std::string resolve_name(const std::string& name) const { return resolver_.resolve(name); }
+  std::string resolve_name(const std::string& name) const {
+    const auto full = resolver_.expand(name), resolved = resolver_.resolve(name);
+    std::vector<std::string> remaps;
+    for (const auto& [from, to] : resolver_.remaps)
+      if (resolver_.expand(from) == full) remaps.push_back(from);
+    const std::lock_guard lock(context_->mutex);
+    context_->used.insert(full);
+    context_->used_remaps.insert(remaps.begin(), remaps.end());
+    return resolved;
+  }
 
   template <class Message>
   std::shared_ptr<Publisher<Message>> create_publisher(const Topic& topic, int depth = 10) {
@@ -106,6 +115,7 @@ class Node : public Parameters {
   template <class Rep, class Period>
   Timer::SharedPtr create_wall_timer(std::chrono::duration<Rep, Period> period, std::function<void()> callback,
                                      Place place = Place::here()) {
+    if (detail::is_in_lockstep()) return create_timer(period, std::move(callback), place);
     return add_timer(period, std::move(callback), detail::steady_now, place, true);
   }
   // Call a function at a fixed rate, by the node's time, which may be simulated.
@@ -125,8 +135,9 @@ class Node : public Parameters {
 
   template <class Request, class Response>
   std::shared_ptr<Client<Request, Response>> create_client(const std::string& name) {
-    auto end = make_end<Client<Request, Response>, Request>(wire::CLIENT, resolve_name(name), 0, context_);
-    receive(names::check_length(end->record.topic + "/_reply"), end);
+    const auto service = resolve_name(name), replies = names::check_length(service + "/_reply");
+    auto end = make_end<Client<Request, Response>, Request>(wire::CLIENT, service, 0, context_);
+    receive(replies, end);
     return end;
   }
 
@@ -177,14 +188,37 @@ class Node : public Parameters {
     }
     return next;
   }
+  // Return the simulated time at which the next timer is due [ns].
+  std::int64_t next_timer() const {
+    const std::lock_guard lock(context_->mutex);
+    std::int64_t next = detail::never;
+    for (const auto& timer : timers_)
+      if (!timer->is_wall) next = std::min(next, timer->next());
+    return next;
+  }
+  void set_spinner(std::thread::id thread) {
+    const std::lock_guard lock(context_->mutex);
+    node_->spinner = thread;
+  }
   const std::shared_ptr<detail::Context>& context() const { return context_; }
 
-  // Log the command line's parameters that nobody declared: likely misspelt.
-  void warn_of_unknown_parameters() {
+  // Log what in the command line no node of this program has used: likely misspelt.
+  void warn_of_unused_arguments() {
     const auto& declared = context_->declared;
     for (const auto& [name, text] : context_->arguments.parameters)
-      if (std::find(declared.begin(), declared.end(), name) == declared.end())
-        logger_->warn("there is no parameter '" + name + "'");
+      if (!declared.count(name)) logger_->warn("there is no parameter '" + name + "'");
+    for (const auto& [from, to] : context_->arguments.remaps)
+      if (!context_->used_remaps.count(from))
+        logger_->warn(from + ":=" + to + " has no effect: no topic or service here is named '" + from + "'");
+    for (const auto& word : context_->arguments.rest) {  // most are the program's own
+      if (word == "--") break;
+      const auto sign = word.find('=');
+      const auto name = word.substr(0, sign), bare = name.substr(std::min(name.find_first_not_of('_'), name.size()));
+      if (sign == std::string::npos || word.find(":=") != std::string::npos || !names::has_form(name, "~/_", "/.")) continue;
+      const bool is_parameter = declared.count(bare) > 0;
+      if (is_parameter || names::is_in(word[0], "_~/") || (names::has_form(name, "", "/") && context_->used.count(resolver_.expand(name))))
+        logger_->warn("'" + word + "' names nothing; did you mean " + (is_parameter ? "_" + bare : name) + ":" + word.substr(sign) + "?");
+    }
   }
 
  private:
@@ -230,9 +264,11 @@ class Node : public Parameters {
     if (!(seconds > 0 && seconds < 1e9)) throw Error(format("a timer's period must be positive and finite, got %g s", seconds));
     const auto length = std::max<std::int64_t>(1, std::llround(seconds * 1e9));
     auto timer = std::make_shared<Timer>(length, std::move(callback), std::move(clock), place, is_wall);
-    const std::lock_guard lock(context_->mutex);
-    timers_.push_back(timer);
-    context_->changed.notify_all();  // for a thread that spins already
+    {
+      const std::lock_guard lock(context_->mutex);
+      timers_.push_back(timer);
+    }
+    context_->notify();  // a thread that spins already
     return timer;
   }
 
@@ -251,8 +287,11 @@ class Node : public Parameters {
   };
 
   void keep_time() {
-    is_simulated_ = declare_parameter("use_sim_time", false, {"the time is that of /clock, not the computer's", {}, {}, true});
+    std::int64_t start = 0;
+    const bool usual = detail::is_in_lockstep(&start);
+    is_simulated_ = declare_parameter("use_sim_time", usual, {"the time is that of /clock, not the computer's", {}, {}, true});
     if (!is_simulated_) return;
+    sim_time_ = start;
     auto end = make_end<ClockEnd, wire::Clock>(wire::SUBSCRIBER, resolve_name("/clock"), 1, sim_time_);
     receive(end->record.topic, end);
   }
@@ -281,18 +320,28 @@ Node& node_of(const std::shared_ptr<T>& node) {
   return *node;
 }
 
-// Wait for something to do until a time by the steady clock, at most; do all of it.
-inline void run_once(const std::vector<Node*>& nodes, std::int64_t deadline) {
-  while (ok()) {
+inline void finish_step(const std::vector<Node*>& nodes) {
+  if (!is_in_lockstep()) return;
+  auto next = never;
+  for (const Node* node : nodes) next = std::min(next, node->next_timer());
+  nodes.front()->context()->finish_step(next);
+}
+
+// Wait for something to do until a time by the steady clock, or until `is_over`, at most; do all of it.
+template <class IsOver>
+void run_once(const std::vector<Node*>& nodes, std::int64_t deadline, IsOver is_over) {
+  while (ok() && !is_over()) {
     bool has_run = false;
     for (Node* node : nodes) has_run = node->run_ready() || has_run;
-    if (has_run || steady_now() >= deadline) return;
+    if (has_run) return;
+    finish_step(nodes);
+    if (steady_now() >= deadline) return;
     auto& context = *nodes.front()->context();
     std::unique_lock lock(context.mutex);
     auto next = deadline;
     for (const Node* node : nodes) next = std::min(next, node->next_work());
-    const auto wait = std::min(next - steady_now(), 3600 * period);
-    if (wait > 0 && ok()) context.changed.wait_for(lock, std::chrono::nanoseconds(wait));
+    const bool is_idle = next > steady_now() && !context.has_step_locked();
+    if (is_idle && ok() && !is_over()) context.wait(lock, next);
   }
 }
 
@@ -302,20 +351,37 @@ inline void run_once(const std::vector<Node*>& nodes, std::int64_t deadline) {
 template <class... Nodes>
 void spin(Nodes&&... nodes) {
   const std::vector<Node*> all = {&detail::node_of(nodes)...};
-  all.front()->warn_of_unknown_parameters();
-  while (ok()) detail::run_once(all, detail::never);
+  all.front()->warn_of_unused_arguments();
+  for (Node* node : all) node->set_spinner(std::this_thread::get_id());
+  while (ok()) detail::run_once(all, detail::never, [] { return false; });
+  for (Node* node : all) node->set_spinner({});
 }
 
 // Run the callbacks that are ready, and return.
 template <class NodeType>
 void spin_some(NodeType&& node) {
-  if (ok()) detail::node_of(node).run_ready();
+  if (ok() && !detail::node_of(node).run_ready()) detail::finish_step({&detail::node_of(node)});
 }
 
 // Wait for something to do, at most for the time given; do all of it.
 template <class NodeType>
 void spin_once(NodeType&& node, std::chrono::duration<double> timeout = std::chrono::seconds(0)) {
-  detail::run_once({&detail::node_of(node)}, detail::steady_now() + std::llround(timeout.count() * 1e9));
+  detail::run_once({&detail::node_of(node)}, detail::time_after(timeout), [] { return false; });
+}
+
+enum class FutureReturnCode { SUCCESS, INTERRUPTED, TIMEOUT };
+
+// Run callbacks until a future is ready, the time is over (if one is given) or the program should end.
+template <class NodeType, class Future>
+FutureReturnCode spin_until_future_complete(NodeType&& node, const Future& future,
+                                            std::chrono::duration<double> timeout = std::chrono::seconds(-1)) {
+  const auto deadline = timeout.count() < 0 ? detail::never : detail::time_after(timeout);
+  while (true) {
+    if (detail::is_ready(future)) return FutureReturnCode::SUCCESS;
+    if (!ok()) return FutureReturnCode::INTERRUPTED;
+    if (detail::steady_now() >= deadline) return FutureReturnCode::TIMEOUT;
+    detail::run_once({&detail::node_of(node)}, deadline, [&] { return detail::is_ready(future); });
+  }
 }
 
 }  // namespace lcmtools

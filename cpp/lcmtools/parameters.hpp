@@ -11,7 +11,8 @@ class Parameter {
  public:
   template <class T>
   Parameter(std::string name, const T& value) : name_(std::move(name)), value_(detail::as_value(value)) {}
-  Parameter(std::string name, Value value) : name_(std::move(name)), value_(std::move(value)) {}
+  Parameter(std::string name, Value value, std::string node = "")
+      : name_(std::move(name)), node_(std::move(node)), value_(std::move(value)) {}
 
   const std::string& get_name() const { return name_; }
   const Value& get_value() const { return value_; }
@@ -23,11 +24,13 @@ class Parameter {
   template <class T>
   const T& as() const {
     if (const T* value = std::get_if<T>(&value_)) return *value;
-    throw Error("the parameter '" + name_ + "' is " + detail::kinds[value_.index()]);
+    const char* asked = detail::kinds[Value(T()).index()];
+    throw Error((node_.empty() ? "" : node_ + ": ") + "the parameter '" + name_ + "' is " + detail::kinds[value_.index()] + ", not " + asked,
+                std::string("write ") + detail::readers[value_.index()]);
   }
 
  private:
-  std::string name_;
+  std::string name_, node_;
   Value value_;
 };
 
@@ -51,20 +54,14 @@ class Parameters {
     const auto given = context_->arguments.parameters.find(name);
     if (given != context_->arguments.parameters.end()) value = detail::read_value(given->second, value, "parameter " + name);
     check_range(name, value, about);
-    const std::lock_guard lock(context_->mutex);
-    context_->declared.push_back(name);
-    if (!parameters_.emplace(name, Declared{value, std::move(about)}).second)
-      throw Error(node_->name + " declares its parameter '" + name + "' twice");
+    if (!add(name, {value, std::move(about)})) throw Error(node_->name + " declares its parameter '" + name + "' twice");
     return std::get<Kind>(value);
   }
   bool has_parameter(const std::string& name) const {
     const std::lock_guard lock(context_->mutex);
     return parameters_.count(name) > 0;
   }
-  Parameter get_parameter(const std::string& name) const {
-    const std::lock_guard lock(context_->mutex);
-    return {name, declared(name).value};
-  }
+  Parameter get_parameter(const std::string& name) const { return {name, declared(name).value, node_->name}; }
   // Change all of these parameters, or none: return the reason why not, or "".
   std::string set_parameters_atomically(const std::vector<Parameter>& parameters) {
     try {
@@ -116,18 +113,26 @@ class Parameters {
   std::shared_ptr<detail::Context> context_ = detail::current_context();
   std::shared_ptr<detail::Participant> node_ = std::make_shared<detail::Participant>();
 
-  const Declared& declared(const std::string& name) const {
+  // An Error that nobody catches ends the program, which takes the mutex to say goodbye: none is thrown
+  // while it is held.
+  bool add(const std::string& name, const Declared& parameter) {
+    const std::lock_guard lock(context_->mutex);
+    context_->declared.insert(name);
+    return parameters_.emplace(name, parameter).second;
+  }
+  Declared declared(const std::string& name) const {
+    std::unique_lock lock(context_->mutex);
     const auto found = parameters_.find(name);
     if (found != parameters_.end()) return found->second;
     std::string known;
     for (const auto& [other, value] : parameters_) known += (known.empty() ? "" : ", ") + other;
+    lock.unlock();
     throw Error(node_->name + " has no parameter '" + name + "'", "it has " + known);
   }
 
   // Return a parameter with the declared type; throw Error if it may not have the value.
   Parameter checked(const Parameter& parameter) const {
-    const std::lock_guard lock(context_->mutex);
-    const auto& [old, about] = declared(parameter.get_name());
+    const auto [old, about] = declared(parameter.get_name());
     const std::string name = "parameter " + parameter.get_name();
     Value value = parameter.get_value();
     if (std::holds_alternative<double>(old) && std::holds_alternative<std::int64_t>(value))

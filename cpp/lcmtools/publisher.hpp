@@ -1,24 +1,9 @@
 // Publishers, and the logger, which publishes on /rosout. Include node.hpp instead.
 #pragma once
 
-#include <cstdarg>
-#include <cstdio>
-
 #include "lcmtools/context.hpp"
 
 namespace lcmtools {
-
-// Return a text as printf makes it.
-[[gnu::format(printf, 1, 2)]] inline std::string format(const char* pattern, ...) {
-  va_list values, again;
-  va_start(values, pattern);
-  va_copy(again, values);
-  std::string text(static_cast<std::size_t>(std::max(0, std::vsnprintf(nullptr, 0, pattern, values))), ' ');
-  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
-  va_end(again);
-  va_end(values);
-  return text;
-}
 
 namespace detail {
 
@@ -79,16 +64,6 @@ class Sender : public End {
  private:
   std::shared_ptr<Context> context_;
 };
-
-// Escape what could change a terminal.
-inline std::string printable(const std::string& text) {
-  std::string result;
-  for (unsigned char c : text) {
-    if ((c >= 0x20 && c != 0x7f) || c == '\n' || c == '\t') result += static_cast<char>(c);
-    else result += format("\\x%02x", c);
-  }
-  return result;
-}
 
 }  // namespace detail
 

@@ -1,6 +1,7 @@
 // Services and clients. Include node.hpp instead.
 #pragma once
 
+#include <future>
 #include <map>
 #include <set>
 
@@ -94,51 +95,89 @@ class Client : public detail::End {
   using SharedPtr = std::shared_ptr<Client>;
   explicit Client(std::shared_ptr<detail::Context> context) : context_(std::move(context)) {}
 
+  // Send a request, which is repeated until the response is there; wait for it by
+  // spin_until_future_complete. The future throws Error if the server reports a failure.
+  std::future<Response> call_async(const Request& request) { return start(request).second; }
+  std::future<Response> async_send_request(const Request& request) { return call_async(request); }  // as in rclcpp
+
   // Send a request and wait for the response; throw Error if none comes in time, or the server
   // reports a failure. A callback may call this.
   Response call(const Request& request, std::chrono::duration<double> timeout = std::chrono::seconds(3)) {
-    context_->announce_changes();
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::nanoseconds>(timeout);
-    wire::ServiceRequest envelope;
-    envelope.client = id_, envelope.payload = detail::encode(request);
+    auto [sequence, future] = start(request);
+    if (context_->wait_for(future, detail::time_after(timeout))) return future.get();
+    const bool is_ending = detail::signals.is_stopping;
     std::unique_lock lock(context_->mutex);
-    envelope.sequence = ++record.messages;
-    awaited_.emplace(envelope.sequence, std::nullopt);
-    const auto is_over = [&] { return awaited_[envelope.sequence].has_value() || detail::signals.is_stopping; };
-    while (!is_over() && std::chrono::steady_clock::now() < deadline) {
-      lock.unlock();
-      context_->publish(record.topic + "/_request", envelope);
-      lock.lock();
-      const auto again = std::chrono::steady_clock::now() + std::chrono::milliseconds(250);
-      context_->changed.wait_until(lock, std::min(again, deadline), is_over);
-    }
-    const auto reply = awaited_.extract(envelope.sequence).mapped();
+    awaited_.erase(sequence);
+    const auto idle = context_->idle_server_locked(record.topic);
     lock.unlock();
-    return response_in(reply, timeout.count());
+    const auto& name = record.topic;
+    if (is_ending) throw Error(name + " had not answered when the program had to end");
+    const auto what = name + format(" did not answer within %g s", timeout.count());
+    if (idle.empty()) throw Error(what, "see whether its node runs: lcmtools node list");
+    throw Error(what + ": its node " + idle + " is in this program, and no other thread spins it",
+                "use call_async, and spin_until_future_complete");
   }
 
   void receive(const std::uint8_t* data, std::size_t size) override {
     wire::ServiceReply reply;
     if (reply.decode(data, 0, static_cast<int>(size)) < 0 || reply.client != id_) return;
-    const auto place = awaited_.find(reply.sequence);
-    if (place != awaited_.end() && !place->second) place->second = std::move(reply);
+    auto found = awaited_.extract(reply.sequence);
+    if (found.empty()) return;
+    try {
+      found.mapped().response.set_value(response_in(reply));
+    } catch (const Error&) {
+      found.mapped().response.set_exception(std::current_exception());
+    }
+  }
+
+  std::int64_t repeat(std::int64_t now, std::vector<std::pair<std::string, wire::Bytes>>& sent) override {
+    auto next = detail::never;
+    for (auto& [sequence, call] : awaited_) {
+      if (call.due <= now) {
+        sent.emplace_back(record.topic + "/_request", call.request);
+        call.due = now + (call.period = std::min(2 * call.period, 16 * retry_period));
+      }
+      next = std::min(next, call.due);
+    }
+    return next;
   }
 
  private:
-  Response response_in(const std::optional<wire::ServiceReply>& reply, double timeout) const {
+  static constexpr std::int64_t retry_period = 250 * detail::ms;
+  struct Call {
+    wire::Bytes request;
+    std::int64_t due, period = retry_period;  // when it is sent again, and the time before
+    std::promise<Response> response;
+  };
+
+  std::pair<std::int64_t, std::future<Response>> start(const Request& request) {
+    wire::ServiceRequest envelope;
+    envelope.client = id_, envelope.payload = detail::encode(request);
+    context_->announce_changes();
+    std::unique_lock lock(context_->mutex);
+    envelope.sequence = ++record.messages;
+    auto& call = awaited_[envelope.sequence];
+    call.request = envelope.packed(), call.due = detail::steady_now() + retry_period;
+    context_->repeat_soon_locked(call.due);
+    auto future = call.response.get_future();
+    const auto payload = call.request;
+    lock.unlock();
+    context_->publish(record.topic + "/_request", payload.data(), payload.size());
+    return {envelope.sequence, std::move(future)};
+  }
+
+  Response response_in(const wire::ServiceReply& reply) const {
     const auto& name = record.topic;
-    if (!reply && detail::signals.is_stopping) throw Error(name + " had not answered when the program had to end");
-    if (!reply) throw Error(name + format(" did not answer within %g s", timeout), "see whether its node runs: lcmtools node list");
-    if (reply->status != 0) throw Error(name + ": " + (reply->error.empty() ? "it failed, and does not say why" : reply->error));
+    if (reply.status != 0) throw Error(name + ": " + (reply.error.empty() ? "it failed, and does not say why" : reply.error));
     Response response;
-    if (response.decode(reply->payload.data(), 0, static_cast<int>(reply->payload.size())) < 0)
+    if (response.decode(reply.payload.data(), 0, static_cast<int>(reply.payload.size())) < 0)
       throw Error(name + ": the response is not of the type " + detail::TypeName<Response>::get());
     return response;
   }
 
   std::shared_ptr<detail::Context> context_;
   std::string id_ = detail::unique_id();
-  std::map<std::int64_t, std::optional<wire::ServiceReply>> awaited_;
+  std::map<std::int64_t, Call> awaited_;
 };
 
 }  // namespace lcmtools

@@ -60,7 +60,7 @@ class Rate {
     next_ = std::max(next_ + period_, now - period_);
     const auto context = detail::current_context();
     std::unique_lock lock(context->mutex);
-    context->changed.wait_for(lock, std::chrono::nanoseconds(next_ - now), [] { return !ok(); });
+    while (ok() && detail::steady_now() < next_) context->wait(lock, next_);
     return next_ >= now;
   }
 

@@ -23,6 +23,9 @@ using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<
 namespace detail {
 
 constexpr const char* kinds[] = {"bool", "int", "float", "string", "bool[]", "int[]", "float[]", "string[]"};
+constexpr const char* readers[] = {"as_bool()", "as_int()", "as_double()", "as_string()", "as<std::vector<bool>>()",
+                                   "as<std::vector<std::int64_t>>()", "as<std::vector<double>>()",
+                                   "as<std::vector<std::string>>()"};
 
 inline std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

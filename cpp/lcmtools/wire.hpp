@@ -247,6 +247,11 @@ struct Log : Message<Log, 0x86319CDCAD46013C> {
   auto fields() { return std::tie(seq, sec, nsec, frame_id, level, name, msg, file, function, line, topics); }
 };
 
+struct Step {  // the answer to a step, without a fingerprint
+  std::int64_t number = 0, next_timer = 0;
+  auto fields() { return std::tie(number, next_timer); }
+};
+
 struct Clock : Message<Clock, 0x687F596782C2807A> {
   static constexpr const char* lcm_type = "rosgraph_msgs/Clock";
   std::int32_t sec = 0, nsec = 0;

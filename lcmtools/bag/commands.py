@@ -6,33 +6,20 @@ simulator obeys what it subscribes to. Programs that are not nodes do not show w
 to.
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from shlex import quote
 from typing import NamedTuple
 
 from lcmtools.bag.playlist import Track
 from lcmtools.errors import LcmtoolsError
-from lcmtools.formats.strict_json import write_json
-from lcmtools.graph.model import Graph, Node
-from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.fields import visible_fields
-from lcmtools.messages.plain import cells, to_plain
-from lcmtools.messages.registry import Message, message_class
-from lcmtools.observe.actuators import VELOCITY_TYPES, is_command_topic
+from lcmtools.graph.model import Graph
+from lcmtools.messages.codec import decode
+from lcmtools.messages.registry import message_class
+from lcmtools.observe.actuators import is_command_topic
 from lcmtools.observe.reports.describe import node_text, program_texts
-from lcmtools.observe.simulators import is_simulator
+from lcmtools.publish.standing_command import StandingCommand, obeying, standing_command
 
-_JOINTS = "sensor_msgs/JointState"
 _SHARED = "/rosout"  # shared by all nodes: each line has its node's name
-_NO_MOTION = re.compile(
-    r"(?:^|[._])(?:u?time(?:stamp|out)?|stamp|duration|dt|[num]?secs?"
-    r"|u?id|index|name|num|number|count(?:er)?|seq(?:uence|num|no|nr)?)(?:[._]|$)|(?:^|[.])t$"
-)
-"""Words of names of times, sequence numbers, counts and names."""
-_CAPITAL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")  # in robotId
-_INDEX = re.compile(r"\d+\b")
-_MOST_VALUES = 3  # values of a command that are shown
 _MOST_LINES = 2  # programs that are named as reasons
 _MOST_NAMES = 3  # topics of each
 _MOST_LEFT_OUT = 2  # topics that a command line leaves out one by one
@@ -58,17 +45,6 @@ def is_command(track: Track) -> bool:
     return is_command_topic(track.topic, track.type)
 
 
-def obeying(graph: Graph, track: Track) -> list[Node]:
-    """Return the living nodes that would obey the topic's messages as commands."""
-    nodes = {node.id: node for node, _ in graph.topic(track.topic).subscribers}
-    commands = is_command(track)
-    return [
-        node
-        for node in nodes.values()
-        if not (node.stale or node.tool) and (commands or is_simulator(node))
-    ]
-
-
 def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conflict]:
     """Return the reasons not to play topics on a bus: nodes that publish on them or obey them.
 
@@ -82,7 +58,7 @@ def conflicts(graph: Graph, tracks: Iterable[Track], own: str = "") -> list[Conf
         if track.topic == _SHARED:
             publishers = []
         by_program = [(who, False) for who in publishers]
-        by_program += [(node_text(node), True) for node in obeying(graph, track)]
+        by_program += [(node_text(node), True) for node in obeying(graph, track.topic, track.type)]
         found += [Conflict(track.topic, track.channel, *one) for one in dict.fromkeys(by_program)]
     return found
 
@@ -113,15 +89,6 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-class StandingCommand(NamedTuple):
-    """A command that is obeyed until another one arrives."""
-
-    topic: str
-    values: str  # the non-zero ones, "linear.x 0.5"; "" for none
-    stop: bytes | None = None  # the same with zeros, if that means stop
-    typed: str = ""  # the command line that sends it
-
-
 class LastCommands:
     """The last command of each topic that was played."""
 
@@ -139,7 +106,11 @@ class LastCommands:
         If others are ``heard``, programs that are not nodes may listen too.
         """
         tracks = [self._tracks[topic] for topic in self._last]
-        obeyed = [one for one in tracks if obeying(graph, one) or (heard and is_command(one))]
+        obeyed = [
+            one
+            for one in tracks
+            if obeying(graph, one.topic, one.type) or (heard and is_command(one))
+        ]
         found = [_standing(track, self._last.pop(track.topic)) for track in obeyed]
         return [one for one in found if one.values]
 
@@ -149,37 +120,4 @@ def _standing(track: Track, payload: bytes) -> StandingCommand:
         message = decode(message_class(track.type, track.fingerprint), payload)
     except LcmtoolsError:
         return StandingCommand(track.topic, "of a type that is not known here")
-    flat = {name.strip("."): value for name, value in cells(to_plain(message), "").items()}
-    moving = [
-        f"{name} {value:g}"
-        for name, value in flat.items()
-        if isinstance(value, (int, float)) and value and _is_motion(name)
-    ]
-    more = ", ..." if len(moving) > _MOST_VALUES else ""
-    values = ", ".join(moving[:_MOST_VALUES]) + more
-    is_joints = track.type == _JOINTS and not any(name.startswith("position") for name in flat)
-    if not (is_joints or track.type in VELOCITY_TYPES):
-        return StandingCommand(track.topic, values)
-    _set_to_zero(message)
-    stop = {k: v for k, v in to_plain(message).items() if v and k != "header"} if is_joints else {}
-    typed = f"lcmtools pub -1 {track.topic} {track.type} '{write_json(stop)}'"
-    return StandingCommand(track.topic, values, encode(message), typed)
-
-
-def _is_motion(path: str) -> bool:
-    """Return False for a field that names or counts a command or dates it: ``utime``, ``seq``."""
-    names = _INDEX.sub("", _CAPITAL.sub("_", path)).lower()
-    return not _NO_MOTION.search(names) and not names.startswith("header.")
-
-
-def _set_to_zero(message: Message) -> None:
-    """Set all numbers of a message to zero except in its header."""
-    for field in visible_fields(type(message)):
-        value = getattr(message, field.attribute)
-        if field.dimensions == () and field.message_class:
-            if field.type != "std_msgs/Header":
-                _set_to_zero(value)
-        elif not field.dimensions and isinstance(value, (int, float)):
-            setattr(message, field.attribute, type(value)(0))
-        elif field.depth == 1 and field.type.startswith(("float", "int")):
-            setattr(message, field.attribute, [0] * len(value))
+    return standing_command(track.topic, track.type, message)

@@ -7,14 +7,20 @@ topics:
     max_rate: 55
     max_gap: 0.5        # [s] without a message
     min_messages: 100
+    tolerance: 0.001    # of its numbers, when a program is run again (bag rerun)
+    fields:
+      pose.covariance: ignore
+      twist.twist.linear.x: 5%
   /camera/**:           # at least one topic that matches, and each that does
     min_rate: 5
 others: false           # no other topics
 max_lost: 0             # messages, of all senders together
 min_duration: 10        # [s]
+tolerance: 1e-6         # of the numbers of all topics
 """
 
 import math
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,8 +37,12 @@ _LIMITS: Mapping[str, tuple[str, Callable[[TopicSummary], float]]] = {
     "messages": ("{:.0f} messages", lambda topic: topic.messages),
 }
 """A topic's values that can have limits, with their names in texts."""
-_OF_TOPIC = {"type", *(f"{side}_{name}" for side in ("min", "max") for name in _LIMITS)}
-_OF_LOG = {"topics", "others", "max_lost", "min_duration", "max_duration"}
+_OF_RERUN = {"tolerance", "relative", "delay"}
+_OF_TOPIC = {"type", "match", "fields", *_OF_RERUN}
+_OF_TOPIC |= {f"{side}_{name}" for side in ("min", "max") for name in _LIMITS}
+_OF_LOG = {"topics", "others", "max_lost", "min_duration", "max_duration", *_OF_RERUN}
+_MATCHES = ("stamp", "order")
+_FIELD_TERM = re.compile(r"ignore|angle|\d+(?:\.\d*)?(?:e-?\d+)?%?")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +53,8 @@ class TopicTerms:
     line: int
     type: str = ""
     limits: Mapping[str, float] = field(default_factory=dict)  # by "min_rate" and so on
+    match: str = ""  # "order" or "stamp", for ``bag rerun``
+    fields: Mapping[str, str] = field(default_factory=dict)  # "0.01", "5%", "angle", "ignore"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,9 +151,22 @@ def _outside(
 
 def _terms(name: str, node: Node, source: str) -> TopicTerms:
     keys = {} if node.is_nothing else _mapping(node, source, _OF_TOPIC)
-    kind = keys.pop("type", None)
-    limits = {key: _number(key, one, source) for key, one in keys.items()}
-    return TopicTerms(name, node.key_line, str(kind.value) if kind else "", limits)
+    kind, match, parts = (keys.pop(key, None) for key in ("type", "match", "fields"))
+    if match and match.value not in _MATCHES:
+        raise InvalidFile(f"{source}:{match.line}: match must be {' or '.join(_MATCHES)}")
+    fields = {} if parts is None else _mapping(parts, source, None)
+    for part, one in fields.items():
+        if not _FIELD_TERM.fullmatch(str(one.value)):
+            hint = "write a number, a percentage such as 5%, angle or ignore"
+            raise InvalidFile(f"{source}:{one.line}: that is no tolerance for {part}", hint)
+    return TopicTerms(
+        name,
+        node.key_line,
+        str(kind.value) if kind else "",
+        {key: _number(key, one, source) for key, one in keys.items()},
+        str(match.value) if match else "",
+        {key: str(one.value) for key, one in fields.items()},
+    )
 
 
 def _mapping(node: Node | None, source: str, known: Collection[str] | None) -> dict[str, Node]:

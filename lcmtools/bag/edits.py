@@ -67,15 +67,24 @@ def between(packets: Iterable[Packet], first: int, last: int) -> Iterator[Packet
 
 
 def matching(
-    packets: Iterable[Packet], condition: Filter, types_of: Callable[[str], Sequence[str]]
+    packets: Iterable[Packet],
+    condition: Filter,
+    types_of: Callable[[str], Sequence[str]],
+    topics: TopicChoice | None = None,
 ) -> Iterator[Packet]:
     """Yield the messages that meet a condition, leaving out those that cannot be decoded.
+
+    If ``topics`` are given, it is a condition for these only: all others are yielded.
 
     Raises:
         ValueMismatch: A message has no such field.
     """
-    decoder = Decoder(types_of)
+    decoder, judged = Decoder(types_of), dict[str, bool]()
     for packet in packets:
+        channel = packet.channel
+        if topics and not judged.setdefault(channel, topics.has(channel)):
+            yield packet
+            continue
         try:
             message = decoder.decode(packet)
         except DecodeError:
@@ -180,21 +189,26 @@ def merged(logs: Sequence[LogFile]) -> Iterator[Packet]:
     return heapq.merge(*map(in_order, logs), key=lambda packet: packet.time)
 
 
-def in_order(log: LogFile) -> Iterator[Packet]:
-    """Yield the messages of a log in the order of their times; equal times in the log's order."""
+def in_order(log: LogFile, time_of: Callable[[Packet], int] | None = None) -> Iterator[Packet]:
+    """Yield the messages of a log in the order of their times; equal times in the log's order.
+
+    ``time_of`` gives other times than those of recording [ns since 1970], which they then have.
+    """
     times, places, senders = array("q"), array("q"), array("l")
     known = [None, *log.senders.values()]
     numbers = {sender: number for number, sender in enumerate(known)}
     for event, sender in log.placed():
-        times.append(event.time // 1000)  # a log has times in microseconds
+        time = time_of(event.packet(log.data)) if time_of else event.time
+        times.append(time // 1000)  # a log has times in microseconds
         places.append(event.start)
         senders.append(numbers[sender])
-    if all(map(int.__le__, times, times[1:])):
+    if not time_of and all(map(int.__le__, times, times[1:])):
         yield from log.packets()
         return
     for number in sorted(range(len(times)), key=times.__getitem__):
         event = next(log.events(places[number]))
-        yield event.packet(log.data)._replace(sender=known[senders[number]])
+        packet, time = event.packet(log.data), times[number] * 1000
+        yield packet._replace(sender=known[senders[number]], time=time)
 
 
 def _covers(words: Sequence[str], topic: str) -> bool:

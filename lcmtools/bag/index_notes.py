@@ -3,9 +3,9 @@
 A worker looks up names of processes and files of types, so that reading goes on.
 """
 
-import time
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor, Future
+from time import monotonic
 
 from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.writer import LogWriter
@@ -52,8 +52,8 @@ class IndexNotes:
         self._known = BoundedDict[bytes, bool](MOST_FLOWS)
         self._unknown: list[Packet] = []
         self._latched: frozenset[str] = frozenset()
-        # The last message of each latched topic.
-        self._held = BoundedDict[str, Packet](MOST_FLOWS, _MOST_KEPT_BYTES)
+        # The last message of each sender on each latched topic.
+        self._held = BoundedDict[tuple[str, Sender | None], Packet](MOST_FLOWS, _MOST_KEPT_BYTES)
         self._lookup: Future[list[RecordedType]] | None = None
         self._next_lookup = 0.0
         self._noted: Losses = {}  # losses recorded in the file's index
@@ -61,17 +61,25 @@ class IndexNotes:
         self._next_note = 0.0
         self._last_time = 0  # of the latest added message [ns since 1970], which reveals a loss
 
-    def begin(self, writer: LogWriter, *, is_split: bool = False) -> None:
-        """Begin a file with the current types and nodes and, after a split, latched messages."""
+    def begin(self, writer: LogWriter, *, is_split: bool = False, time: int = 0) -> None:
+        """Begin a file with the current types and nodes, and messages that were latched before.
+
+        These get the time of the begin [ns since 1970].
+        """
         self._numbers.clear()
         writer.add_types(self._types.values())
         for packet in self._nodes.values():
             self._add_node(packet, writer)
         if is_split:
             self._noted = self._monitor.losses()
-            held = [packet for packet in self._held.values() if packet.channel in self._latched]
-            now = time.time_ns()
-            self.add([packet._replace(time=now) for packet in held], writer)
+        held = [packet for packet in self._held.values() if packet.channel in self._latched]
+        self.add([packet._replace(time=time) for packet in held], writer)
+
+    def hold(self, packets: Iterable[Packet]) -> None:
+        """Keep latched messages for the begin of the next file."""
+        for packet in packets:
+            if packet.channel in self._latched:
+                self._held.put((packet.channel, packet.sender), packet, len(packet.payload))
 
     def add(self, packets: Iterable[Packet], writer: LogWriter) -> None:
         """Add messages to a file, with their senders."""
@@ -86,7 +94,7 @@ class IndexNotes:
                 seen[packet.channel] = (*heads, head)
                 self._note_unknown(packet._replace(payload=head))
             if latched and packet.channel in latched:
-                self._held.put(packet.channel, packet, len(packet.payload))
+                self._held.put((packet.channel, packet.sender), packet, len(packet.payload))
             add(packet, number)
             self._last_time = packet.time
 
@@ -129,7 +137,7 @@ class IndexNotes:
 
     def annotate(self, writer: LogWriter, *, in_full: bool = False) -> None:
         """Add the names, types and losses known by now; all of them if ``in_full``."""
-        if self._lookup is None and (in_full or time.monotonic() >= self._next_lookup):
+        if self._lookup is None and (in_full or monotonic() >= self._next_lookup):
             self._begin_lookup()
         if self._lookup is not None and (in_full or self._lookup.done()):
             self._end_lookup(self._lookup, writer)
@@ -147,7 +155,7 @@ class IndexNotes:
             number = numbers.get(sender)
             if number is not None and loss != before:
                 counts[number] = loss.lost - before.lost, loss.sent - before.sent
-        now, is_news = time.monotonic(), any(lost for lost, _ in counts.values())
+        now, is_news = monotonic(), any(lost for lost, _ in counts.values())
         if counts and (in_full or is_news or now >= self._next_note):
             self._next_note = now + _NOTE_PERIOD
             self._noted = {one: loss for one, loss in found.items() if one in numbers}
@@ -176,7 +184,7 @@ class IndexNotes:
         writer.add_node(RecordedNode(packet.time, number, packet.payload))
 
     def _begin_lookup(self) -> None:
-        self._next_lookup = time.monotonic() + _AGAIN
+        self._next_lookup = monotonic() + _AGAIN
         packets, self._unknown = self._unknown, []
         types_of = self._monitor.types_of
         self._announced = {packet.channel: types_of(packet.channel) for packet in packets}

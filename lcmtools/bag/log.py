@@ -7,7 +7,7 @@ with lcmtools.bag.open("ride.lcmlog") as log:
 """
 
 import sys
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from lcmtools.bag.columns import table, with_times
 from lcmtools.bag.summary import LogSummary, TopicSummary, known_nodes, summarize
-from lcmtools.bag.times import parse_time, time_window
+from lcmtools.bag.times import time_of, time_window
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.supply import has_supply
 from lcmtools.names import did_you_mean
@@ -85,36 +85,42 @@ class Log(AbstractContextManager["Log"]):
 
     def messages(
         self,
-        *topics: str,
-        start: str | None = None,
-        end: str | None = None,
+        *topics: str | Iterable[str],
+        start: str | float | None = None,
+        end: str | float | None = None,
         where: str | None = None,
         on_error: Callable[[DecodeError], None] | None = None,
+        undecoded: bool = False,
     ) -> Generator[Arrival, None, None]:
         """Yield the messages of topics, as ``lcmtools.observe.messages`` does on a bus.
 
         Args:
-            *topics: Names or patterns; none for all.
-            start: The time at which to begin: "10s", "end-1m", "12:30:05", "2026-11-22 12:30:05".
+            *topics: Names or patterns, or lists of these; none for all.
+            start: The time at which to begin: "10s", "end-1m", "12:30:05", "2026-11-22 12:30:05";
+                seconds after the start, or since 1970; or an int in ns since 1970, as ``start``
+                and the times of arrivals are.
             end: The time at which to end.
             where: Yield only messages for which this expression is true.
-            on_error: Called if a message cannot be decoded, which is then left out; None to yield
-                an arrival whose ``message`` raises the error.
+            on_error: Called for each message that is left out because it cannot be decoded; None
+                for a Python warning, once for each error.
+            undecoded: Yield an arrival for such a message, too; its ``message`` raises the error.
 
         Raises:
             UsageError: A time, a topic or the expression is wrong.
             LcmtoolsError: The log has no message on the topics.
         """
+        words = [word for one in topics for word in ([one] if isinstance(one, str) else one)]
         return messages(
-            *(topics or (_ALL_TOPICS,)),
+            *(words if topics else (_ALL_TOPICS,)),
             log=self.path,
             where=where,
             on_error=on_error,
+            undecoded=undecoded,
             between=self._between(start, end),
         )
 
     def to_numpy(
-        self, topic: str, *, start: str | None = None, end: str | None = None
+        self, topic: str, *, start: str | float | None = None, end: str | float | None = None
     ) -> "Mapping[str, Array]":
         """Return the messages of a topic as arrays, with a row for each message.
 
@@ -136,13 +142,18 @@ class Log(AbstractContextManager["Log"]):
         if not found:
             near = did_you_mean(topic, self.topics)
             raise LcmtoolsError(f"{self.path} has no messages of {topic} between these times", near)
-        made = table(decoder.message_class(found[0]), [packet.payload for packet in found])
+        long = (one for one in found if one.fingerprint is not None)
+        made = table(
+            decoder.message_class(next(long, found[0])), [packet.payload for packet in found]
+        )
         return with_times([packet.time for packet in found], made)
 
-    def _between(self, start: str | None, end: str | None) -> tuple[int, int] | None:
+    def _between(
+        self, start: str | float | None, end: str | float | None
+    ) -> tuple[int, int] | None:
         if start is None and end is None:
             return None
-        first, last = (None if text is None else parse_time(text) for text in (start, end))
+        first, last = (None if one is None else time_of(one) for one in (start, end))
         return time_window((self.start, self.end), first, last)
 
 

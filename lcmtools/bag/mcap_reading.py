@@ -93,13 +93,17 @@ class McapFileReader:
         while at + _HEAD.size <= self._size:
             file.seek(at)
             kind, length = _HEAD.unpack(file.read(_HEAD.size))
-            if kind == _FOOTER:
+            if kind == _FOOTER and self._ends_at(at + _HEAD.size + length):
                 return
             start = at + _HEAD.size
             if kind in _READ:
                 yield _Record(kind, start, length, self._time(kind, start))
             at = start + length
         self._on_damage(f"it is cut off at byte {self._size}")
+
+    def _ends_at(self, end: int) -> bool:
+        self._file.seek(end)
+        return self._file.read(len(MAGIC)) == MAGIC
 
     def _time(self, kind: int, start: int) -> int:
         """Return the earliest time of a record's messages."""

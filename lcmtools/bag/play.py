@@ -43,7 +43,7 @@ _WATCH_PERIOD = 2.0  # [s] between two checks for new publishers
 _WATCH_TIME = 0.3  # [s] of a check, for programs that are not nodes
 _ASLEEP = NANOSECONDS  # [ns] without a turn means that the computer slept, or Ctrl-Z
 _ANSWERED = 0.3  # [s] after which existing nodes have announced themselves
-_LONG_GAP = 30.0  # [s] until the next message, of which the user is told
+_LONG_GAP = 5.0  # [s] until the next message, of which the user is told
 _STOPS = 3  # times that a stop is sent, because each may be lost
 _STOP_GAP = 0.01  # [s]
 
@@ -60,6 +60,8 @@ class Manner:
     is_paused: bool = False  # at the start
     clock: bool = False  # publish /clock
     waits: bool = False  # wait for a subscriber of each topic
+    most_gap: float = math.inf  # a longer time without messages is skipped [s]
+    typed: Sequence[str] = ()  # the logs as the user named them; () for the paths themselves
     force: bool = False  # play even if others publish or obey
 
 
@@ -91,7 +93,7 @@ def play(
         window = time_window(playlist.span, manner.start, manner.end, duration=manner.duration)
         now = time.monotonic_ns()
         player = Player(
-            playlist.messages,
+            playlist.played,
             window,
             rate=manner.rate,
             loops=manner.loops,
@@ -102,8 +104,14 @@ def play(
             raise LcmtoolsError(
                 "the log has no messages between these times", "leave out --start or --end"
             )
-        known, graph = _check(paths, url, playlist.tracks, notify, force=manner.force)
-        with own_node("play", url) as node, _Watch(url, playlist.tracks, node.name, known) as watch:
+        for line in playlist.untold() if window[0] > playlist.span[0] else ():
+            notify(line)
+        named = manner.typed or [*map(str, paths)]
+        known, graph = _check(named, url, playlist.tracks, notify, force=manner.force)
+        with (
+            own_node("play", url, in_order=True) as node,
+            _Watch(url, playlist.tracks, node.name, known) as watch,
+        ):
             session = _Session(node, playlist, manner, notify, watch)
             session.find(graph)
             if manner.waits:
@@ -112,7 +120,7 @@ def play(
 
 
 def _check(
-    paths: Sequence[str | Path],
+    named: Sequence[str],
     url: BusUrl,
     tracks: Sequence[Track],
     notify: Notify,
@@ -126,7 +134,7 @@ def _check(
     for line in reasons(found):
         notify(line)
     if found and not force:
-        typed = f"lcmtools bag play {shlex.join(map(str, paths))} {way_out(found, tracks)}"
+        typed = f"lcmtools bag play {shlex.join(named)} {way_out(found, tracks)}"
         raise LcmtoolsError("nothing is played", f"{typed} goes ahead, --force plays anyway")
     return frozenset(found), graph
 
@@ -139,12 +147,16 @@ class _Session:
     ) -> None:
         tracks, self._recorded_time = playlist.tracks, playlist.recorded_time
         self._node, self._notify, self._watch = node, notify, watch
-        self._forced = manner.force
+        self._forced, self._most_gap = manner.force, manner.most_gap
         self._commands = LastCommands(tracks)
         self._publishers: Mapping[str, PayloadPublisher] = {
             track.topic: node.create_payload_publisher(track.topic, track.type, track.fingerprint)
             for track in tracks
         }
+        self._latched = {track.topic: frozenset[str]() for track in tracks if track.is_latched}
+        self._playlist = playlist
+        for topic in self._latched:
+            self._publishers[topic].is_latched = True
         # a log's own clock belongs to its messages' stamps
         ticks = manner.clock and CLOCK_TOPIC not in self._publishers
         self._clock = node.create_publisher(Clock, CLOCK_TOPIC) if ticks else None
@@ -163,7 +175,8 @@ class _Session:
             return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
 
         def report() -> None:
-            self._notify(f"waiting for subscribers of {', '.join(missing())}")
+            others = "plain LCM programs do not count, as they do not tell what they subscribe to"
+            self._notify(f"waiting for subscribers of {', '.join(missing())}; {others}")
 
         wait_until(lambda: not missing(), None, report)
 
@@ -184,6 +197,7 @@ class _Session:
     ) -> None:
         period = _CLOCK_PERIOD if self._clock else _SHOW_PERIOD
         due = shown = 0
+        self._latched = {topic: self._publishers[topic].subscriber_ids() for topic in self._latched}
         seen = time.monotonic_ns()
         while not player.is_over:
             now = time.monotonic_ns()
@@ -193,9 +207,7 @@ class _Session:
             if message := None if now >= due else player.pop_due(now):
                 self._publish(message)
                 continue
-            gap = player.wait(now)
-            self._tell_gap(gap)
-            left = min(gap, max(0, due - now) / NANOSECONDS)
+            left = min(self._gap(player, now), max(0, due - now) / NANOSECONDS)
             if not all(self._press(player, key) for key in wait(left)):
                 return
             if now >= due:
@@ -204,6 +216,7 @@ class _Session:
             if now - shown >= _SHOW_PERIOD:
                 shown = now
                 on_position(player.position(now))
+                self._serve_late(player.time(now))
                 for conflict in self._watch.pop():
                     self._notify(f"{conflict.reason} while it is played")
 
@@ -217,12 +230,33 @@ class _Session:
             self._settle("paused")
         return goes_on
 
-    def _tell_gap(self, seconds: float) -> None:
-        """Notify, once before each message, of a long wait for it; a pause waits without end."""
+    def _serve_late(self, log_time: int) -> None:
+        """Send new subscribers of latched topics what was latched at a time of the log."""
+        late = set()
+        for topic, served in self._latched.items():
+            present = self._publishers[topic].subscriber_ids()
+            if present - served:
+                late.add(topic)
+            self._latched[topic] = present
+        for one in self._playlist.latched(log_time + 1) if late else ():
+            if one.topic in late:
+                self._publishers[one.topic].publish_payload(one.payload)
+
+    def _gap(self, player: Player, now: int) -> float:
+        """Return the time until the next message [s], after skipping it if it is too long.
+
+        A long one is told, once before each message; a pause waits without end.
+        """
+        seconds = player.wait(now)
+        if self._most_gap < seconds < math.inf:
+            self._notify(f"skipped {span_text(seconds)} without messages")
+            player.skip(now)
+            return 0.0
         if _LONG_GAP < seconds < math.inf and not self._is_gap_told:
             self._is_gap_told = True
-            wait = span_text(seconds)
-            self._notify(f"the next message is due in {wait}; --end leaves it out")
+            ways = "n skips to it, --max-gap all such waits, --end leaves it out"
+            self._notify(f"the next message is due in {span_text(seconds)}; {ways}")
+        return seconds
 
     def _publish(self, message: Played) -> None:
         self._is_gap_told = False
@@ -241,15 +275,13 @@ class _Session:
         graph = self._node.graph()
         heard = self._node.has_plain_listeners(at_once=True)
         for one in self._commands.pop(graph, heard=heard):
-            said = f"{situation}: the last command on {one.topic} was {one.values}"
             if one.stop is not None and self._forced:
                 for _ in range(_STOPS):
                     self._publishers[one.topic].publish_payload(one.stop)
                     time.sleep(_STOP_GAP)
-                self._notify(f"{said}; zero was sent after it")
+                self._notify(f"{situation}: {one.said}; zero was sent after it")
             else:
-                hint = f"; to stop: {one.typed}" if one.typed else ""
-                self._notify(f"{said}, and remains in effect until another one comes{hint}")
+                self._notify(f"{situation}: {one.lasting}")
 
 
 class _Watch(AbstractContextManager["_Watch"]):

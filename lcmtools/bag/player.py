@@ -76,6 +76,11 @@ class Player:
             self._advance(message, now)
         return message
 
+    def skip(self, now: int) -> None:
+        """Let the next message be due, as if the time before it had passed; not in a pause."""
+        if self._next is not None and not self.is_paused:
+            self._log_time, self._begin = self._next.time, now
+
     def wait(self, now: int) -> float:
         """Return the time until the next message is due [s]; infinite in a pause."""
         if self._next is None or self.is_paused:

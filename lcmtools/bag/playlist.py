@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.latched import LatchedTopics, untold
 from lcmtools.bag.summary import histogram, span_of
 from lcmtools.bag.summary_report import span_text
 from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS
@@ -35,6 +36,7 @@ from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.packages import provide_recorded_types
 from lcmtools.wire.log_events import Event
 from lcmtools.wire.log_index import Block, disorder
+from lcmtools.wire.packet import Packet, Sender
 
 _STEP = NANOSECONDS  # times that go back by more are a step, after which playing goes on at once
 _MOST_PARTS = 8  # that times may belong to, one message to this and the next to that
@@ -61,6 +63,7 @@ class Track:
     messages: int  # in the logs
     type: str = ""  # "" if unknown
     fingerprint: int | None = None  # of its first message
+    is_latched: bool = False  # at some time
 
 
 class Played(NamedTuple):
@@ -69,6 +72,7 @@ class Played(NamedTuple):
     time: int  # time of recording [ns since 1970]; after a step back in the log, later
     topic: str
     payload: bytes
+    sender: str = ""  # the name of its sender; "" if unknown
 
 
 class _ContinuousLog(LogFile):
@@ -139,14 +143,16 @@ class Playlist(AbstractContextManager["Playlist"]):
     ) -> None:
         self._nodes = GraphBuilder(is_log=True)
         self._logs: list[tuple[_ContinuousLog, Sequence[Block]]] = []
+        self._latched: list[LatchedTopics] = []  # of each log
         try:
             for path in paths:
                 log = _ContinuousLog(path)
                 if log.size - log.index.end > _SLOW_BYTES:
                     notify(f"reading {path}; with an index (lcmtools bag reindex) this is instant")
+                self._latched.append(LatchedTopics())
                 for packet in log.announcements():
-                    self._nodes.add(packet)
-                blocks = list(log.blocks(self._nodes.add))
+                    self._add_announcement(packet)
+                blocks = list(log.blocks(self._add_announcement))
                 if damage := log.damage(blocks):
                     notify(damage)
                 if back := disorder(blocks):
@@ -185,6 +191,45 @@ class Playlist(AbstractContextManager["Playlist"]):
         parts = [_messages(log, blocks, (start, end), topics) for log, blocks in self._logs]
         return parts[0] if len(parts) == 1 else heapq.merge(*parts, key=lambda one: one.time)
 
+    def played(self, start: int, end: int) -> Iterator[Played]:
+        """Yield ``messages``, after those that were latched at the start, if it is within."""
+        if start > self.span[0]:
+            yield from (one._replace(time=start) for one in self.latched(start))
+        yield from self.messages(start, end)
+
+    def latched(self, time: int) -> list[Played]:
+        """Return the messages before a time that were latched then, one of each sender."""
+        topics = {track.channel: track.topic for track in self.tracks if track.is_latched}
+        found: dict[tuple[str, Sender | None], Packet] = {}
+        for (log, blocks), latched in zip(self._logs, self._latched, strict=True):
+            there = latched.at(log.recorded_time(time)) & topics.keys()
+            for one in log.latest(there, time, blocks):
+                before = found.get((one.channel, one.sender))
+                if before is None or before.time <= one.time:
+                    found[one.channel, one.sender] = one
+        in_order = sorted(found.values(), key=lambda one: one.time)
+        return [Played(one.time, topics[one.channel], one.payload) for one in in_order]
+
+    def senders(self) -> dict[str, set[str]]:
+        """Return the names of each topic's senders, as far as they are known."""
+        found: dict[str, set[str]] = {track.topic: set() for track in self.tracks}
+        topics = {track.channel: track.topic for track in self.tracks}
+        for log, blocks in self._logs:
+            for block in blocks:
+                for channel in block.channels.keys() & topics.keys():
+                    numbers = (number for number, _ in block.channels[channel].senders)
+                    known = (
+                        log.senders[number].name for number in numbers if number in log.senders
+                    )
+                    found[topics[channel]].update(known)
+        return found
+
+    def untold(self) -> Iterator[str]:
+        """Yield a sentence on each log that does not tell what was latched."""
+        for (log, _), latched in zip(self._logs, self._latched, strict=True):
+            if not latched.is_known:
+                yield untold(log.path)
+
     def latest(self, topics: Collection[str], time: int, after: int = 0) -> list[Played]:
         """Return each topic's last message between ``after`` and ``time``, in order of time."""
         found: dict[str, Played] = {}
@@ -212,12 +257,15 @@ class Playlist(AbstractContextManager["Playlist"]):
 
     def losses(self) -> list[int]:
         """Return the times at which the recorder found messages lost [ns since 1970]."""
-        notes = (note for log, _ in self._logs for note in log.index.lost)
-        return [note.time for note in notes if any(lost > 0 for lost, _ in note.counts.values())]
+        return [time for log, _ in self._logs for time, _, _ in log.loss_times()]
 
     def announced(self) -> GraphBuilder:
         """Return the announcements of all nodes in the logs."""
         return self._nodes
+
+    def _add_announcement(self, packet: Packet) -> None:
+        self._nodes.add(packet)
+        self._latched[-1].add(packet)
 
     @cached_property
     def _counts(self) -> Mapping[str, tuple[int, int | None]]:
@@ -249,8 +297,12 @@ class Playlist(AbstractContextManager["Playlist"]):
             chosen.remove(odd)
             notify(f"{odd} is left out: this bus has no channel that is not UTF-8")
         types_of = self._nodes.types_of
+        latched = frozenset[str]().union(*(one.ever() for one in self._latched))
         return tuple(
-            _track(channel, moved[channel], counts[channel], types_of(channel))
+            replace(
+                _track(channel, moved[channel], counts[channel], types_of(channel)),
+                is_latched=channel in latched,
+            )
             for channel in chosen
         )
 
@@ -272,10 +324,11 @@ def _messages(
             continue
         if topics.keys().isdisjoint(block.channels):
             continue
-        for event in log.events(block.start, block.end):
+        for event, sender in log.of_block(block, block.start):
             topic = topics.get(event.channel)
             if topic is not None and start <= event.time <= end:
-                yield Played(event.time, topic, log.data[event.payload_start : event.end])
+                payload = log.data[event.payload_start : event.end]
+                yield Played(event.time, topic, payload, sender.name if sender else "")
 
 
 def _moved(channels: Sequence[str], choice: Choice) -> Mapping[str, str]:

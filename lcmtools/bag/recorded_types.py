@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import PurePath
+from zlib import crc32
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.fields import parts
-from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.messages.registry import Message, fingerprint, type_name, versions
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.packages.cache import VERSION_PREFIX
 from lcmtools.packages.user_types import source_file, source_text
 from lcmtools.wire.log_index import RecordedType
 from lcmtools.wire.packet import Packet
@@ -29,8 +29,8 @@ def recorded_types(packets: Iterable[Packet], decoder: Decoder) -> list[Recorded
 
 def _recorded(kind: type[Message]) -> RecordedType:
     name = type_name(kind)
-    path = PurePath(name.rpartition("/")[0], PurePath(source_file(kind)).name)
-    home = kind.__module__.partition(".")[0]
-    if home.startswith(VERSION_PREFIX):  # to stay apart from other versions
-        path = home / path
+    file = PurePath(source_file(kind))
+    path = PurePath(name.rpartition("/")[0], file.name)
+    if any(len(versions(type_name(one))) > 1 for one in parts(kind)):
+        path = crc32(str(file.parent).encode()).to_bytes(4, "big").hex() / path  # beside its parts
     return RecordedType(name, fingerprint(kind), str(path), source_text(kind) + "\n")

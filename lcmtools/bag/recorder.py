@@ -300,15 +300,15 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
     def _keep(self, packets: Sequence[Packet], ring: Ring, snapshot: SnapshotPlan) -> None:
         """Keep messages; while a snapshot is being written, also write them."""
         now = time.time_ns()
-        ring.add(packets, now)
+        self._notes.hold(ring.add(packets, now))
         is_wanted = snapshot.is_wanted
         wanted = [packet for packet in packets if is_wanted(packet)] if is_wanted else []
         if wanted or self._is_requested:
             self._is_requested = False
             self._saves_until = now + round(snapshot.after * NANOSECONDS)
             if self._writer is None:
-                self._open()
                 packets = list(ring.packets)
+                self._open(packets[0].time if packets else now)
         self._add(packets)
         if self._writer is not None and now >= self._saves_until:
             self._close(self._writer)
@@ -368,10 +368,10 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._written.result()
         self._written = self._worker.submit(writer.write, writer.pop_batch())
 
-    def _open(self, *, is_split: bool = False) -> None:
+    def _open(self, begin: int = 0, *, is_split: bool = False) -> None:
         self._writer = self._series.next()
         self._file_began = time.monotonic()
-        self._notes.begin(self._writer, is_split=is_split)
+        self._notes.begin(self._writer, is_split=is_split, time=begin or time.time_ns())
 
     def _close(self, writer: LogWriter) -> None:
         if self._written is not None:

@@ -67,13 +67,16 @@ class Ring:
         self.packets: deque[Packet] = deque()  # the messages, the oldest first
         self.bytes = 0  # bytes of their payloads
 
-    def add(self, packets: Sequence[Packet], now: int) -> None:
-        """Add messages; forget those that are too old at the time ``now`` [ns], or too many."""
+    def add(self, packets: Sequence[Packet], now: int) -> list[Packet]:
+        """Add messages; return those that are too old at the time ``now`` [ns], or too many."""
+        dropped: list[Packet] = []
         kept = self.packets
         kept.extend(packets)
         self.bytes += sum(packet.size for packet in packets)
         while kept and (kept[0].time < now - self._before or self._is_too_large):
-            self.bytes -= kept.popleft().size
+            self.bytes -= kept[0].size
+            dropped.append(kept.popleft())
+        return dropped
 
     @property
     def _is_too_large(self) -> bool:

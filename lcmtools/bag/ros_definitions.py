@@ -26,7 +26,7 @@ _MARK = "  # ROS: "
 _LARGER = {"uint16": "int32", "uint32": "int64", "uint64": "int64", "octet": "uint8"}
 _TIMES = {"builtin_interfaces/msg/Time": "time", "builtin_interfaces/msg/Duration": "duration"}
 _KINDS: dict[str, RosVersion] = {"ros1msg": 1, "ros2msg": 2, "ros2idl": 2, "omgidl": 2}
-_NONE = ("", "unknown")  # as ROS 2 writes for a type that it does not find
+NO_FORM = ("", "unknown")  # as ROS 2 writes for a type that it does not find
 _IDL_SEPARATOR = "=" * 80 + "\nIDL: "
 
 
@@ -44,12 +44,12 @@ def read_definition(channel: Channel, known: Definitions) -> tuple[str, Definiti
         InvalidFile: It cannot be read, or there is none.
     """
     name = normal_name(channel.type)
-    if channel.form not in (*_KINDS, *_NONE):
+    if channel.form not in (*_KINDS, *NO_FORM):
         raise InvalidFile(f"its definition is in {channel.form}, not in a format of ROS")
     if name in known and not channel.definition.strip():
         return name, _with_known(name, {}, known)
-    if channel.form in _NONE:
-        raise InvalidFile("the bag has no definition of it")
+    if channel.form in NO_FORM:
+        raise InvalidFile("the bag has no definition of it, and LCMTOOLS_TYPE_PATH leads to none")
     if len(channel.definition) > LARGEST:
         raise InvalidFile(f"its definition has more than {LARGEST} characters")
     try:

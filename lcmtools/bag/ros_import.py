@@ -15,20 +15,30 @@ from typing import TYPE_CHECKING, NamedTuple
 from lcmtools.bag.damage import damage_text
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.ros_definitions import (
+    NO_FORM,
     Definitions,
     RosVersion,
     lcm_name,
     nested_types,
+    normal_name,
     read_definition,
     renamed_fields,
     ros_version,
     translated,
 )
 from lcmtools.bag.ros_reading import Channel, bag_messages
-from lcmtools.bag.ros_types import Conversion, ros_distributions, ros_store
+from lcmtools.bag.ros_types import Conversion, RosTypes, ros_distributions, ros_name, ros_store
 from lcmtools.errors import InvalidFile, LcmtoolsError, MissingExtra, UnknownType
-from lcmtools.messages.registry import Message, Registry, message_class, shipped_types
-from lcmtools.packages.user_types import user_types
+from lcmtools.messages.fields import parts as message_parts
+from lcmtools.messages.registry import (
+    Message,
+    Registry,
+    fingerprint,
+    message_class,
+    shipped_types,
+    type_name,
+)
+from lcmtools.packages.user_types import source_file, source_text, user_types
 from lcmtools.wire.log_index import RecordedType
 
 if TYPE_CHECKING:
@@ -169,8 +179,9 @@ class RosImport:
         return f"{channel.topic} has the type {channel.type or '(unknown)'}: {reason}"
 
     def _made_reader(self, channel: Channel, data: bytes) -> _Reader:
+        channel = _with_definition(channel)
         store, name = _types_of(channel, data)
-        conversion = Conversion(store)
+        conversion = Conversion(store, ros_version(channel))
         cls = self._classes.get(name)
         if cls is None or not conversion.fits(cls, name):
             cls = self._classes[name] = self._class(conversion, name, ros_version(channel))
@@ -200,6 +211,28 @@ class RosImport:
     def _note_renamed(self, one: RecordedType, known: Definitions) -> None:
         names = renamed_fields(known[one.path.removesuffix(".msg")][1])
         self.report.renamed |= {f"{one.name}.{theirs}": ours for theirs, ours in names.items()}
+
+
+def _with_definition(channel: Channel) -> Channel:
+    """Return a channel with the user's own definition of its type, if it and ROS have none."""
+    version = ros_version(channel)
+    known = any(normal_name(channel.type) in one for one in ros_distributions(version))
+    if known or channel.definition.strip() or channel.form not in NO_FORM:
+        return channel
+    try:
+        cls = message_class(lcm_name(channel.type))
+    except UnknownType:
+        return channel
+    files = {kind: source_file(kind) for kind in message_parts(cls)}
+    own = {
+        type_name(kind): RecordedType(
+            type_name(kind), fingerprint(kind), f"{ros_name(kind)}.msg", source_text(kind)
+        )
+        for kind, file in files.items()
+        if file.endswith(".msg")
+    }
+    schema = RosTypes(version, own).schema(cls)
+    return channel._replace(form=schema.form, definition=schema.text.decode())
 
 
 def _types_of(channel: Channel, data: bytes) -> tuple["Typestore", str]:

@@ -36,7 +36,10 @@ def holds(ours: str, theirs: str) -> bool:
 
 
 def number_conversions(part: Field, name: str, changes: list[Change]) -> Conversions:
-    """Return the conversions of an integer whose type in ROS is ``name``; note changed numbers."""
+    """Return the conversions of an integer whose type in ROS is ``name``; note changed numbers.
+
+    A ``byte`` is signed, as in ROS 1; ROS 2 calls its unsigned one ``octet``.
+    """
     ours, theirs = _bounds(part.type), _bounds(name)
 
     def to_ros(value: Any) -> int:  # noqa: ANN401 - a number of any type
@@ -46,9 +49,10 @@ def number_conversions(part: Field, name: str, changes: list[Change]) -> Convers
         return _same_bits(int(value), theirs)
 
     def to_lcm(value: Any) -> int:  # noqa: ANN401 - likewise
-        found = _same_bits(int(value), ours)
-        if found != value and name != "byte":  # signed in ROS 1 and unsigned in ROS 2
-            changes.append(Change(part.name, 1, int(value)))
+        there = _same_bits(int(value), theirs)  # the library reads each byte as signed
+        found = _same_bits(there, ours)
+        if found != there and name != "byte":
+            changes.append(Change(part.name, 1, there))
         return found
 
     return to_ros, to_lcm

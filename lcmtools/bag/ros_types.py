@@ -113,11 +113,13 @@ def ros_distributions(version: RosVersion) -> Iterator[Definitions]:
 class Conversion:
     """Conversion between messages of LCM classes and of the types in a store.
 
-    ``changes`` collects the numbers that conversion to LCM has changed.
+    ``changes`` collects the numbers that conversion to LCM has changed. A byte of ROS is signed in
+    version 1, and unsigned in version 2.
     """
 
-    def __init__(self, store: "Typestore") -> None:
+    def __init__(self, store: "Typestore", version: RosVersion) -> None:
         self.store = store
+        self.version = version
         self.changes: list[Change] = []
         self._pairs: dict[tuple[type[Message], str], tuple[_Pair, ...]] = {}
 
@@ -214,7 +216,7 @@ class Conversion:
         name = of[0] if kind == Nodetype.BASE else ""
         if not holds(part.type, name):
             return (_as_it_is, _as_it_is) if _SAME.get(part.type) == name else None
-        return number_conversions(part, name, self.changes)
+        return number_conversions(part, self._number_type(name), self.changes)
 
     def _nested(self, part: Field, name: str) -> Conversions | None:
         cls = part.message_class
@@ -242,7 +244,10 @@ class Conversion:
                 lambda values: [to_ros(value) for value in flat(values, part.depth)],
                 lambda values: [to_lcm(value) for value in values],
             )
-        return array_conversions(part, element[1][0], self.changes)
+        return array_conversions(part, self._number_type(element[1][0]), self.changes)
+
+    def _number_type(self, name: str) -> str:
+        return "octet" if name == "byte" and self.version == 2 else name  # noqa: PLR2004 - ROS 2
 
 
 class RosTypes(Conversion):
@@ -255,10 +260,9 @@ class RosTypes(Conversion):
     """
 
     def __init__(self, version: RosVersion, recorded: RecordedTypes = NO_TYPES) -> None:
-        super().__init__(ros_store(None))
-        self.version = version
+        super().__init__(ros_store(None), version)
         self._recorded = recorded
-        self._known = Conversion(ros_store(version))
+        self._known = Conversion(ros_store(version), version)
         self._names: dict[type[Message], str] = {}
 
     def ros_type(self, cls: type[Message]) -> RosType:
@@ -341,7 +345,7 @@ class RosTypes(Conversion):
                 self._add(part.message_class)
         trial = ros_store(None)
         trial.register({**self.store.fielddefs, **found})
-        return found[name] if Conversion(trial).fits(cls, name) else None
+        return found[name] if Conversion(trial, self.version).fits(cls, name) else None
 
     def _described(self, cls: type[Message]) -> _Described:
         """Return a type with the fields of a class."""

@@ -79,6 +79,7 @@ class LogSummary:
     topics: tuple[TopicSummary, ...]  # by name
     nodes: tuple[str, ...]  # that announced themselves
     losses: Mapping[Sender, Loss]  # as the recorder saw them
+    loss_times: tuple[tuple[int, Sender, Loss], ...]  # when they were found
     histogram: tuple[int, ...]  # numbers of messages in equal parts of the time
     disorder: int  # the most by which a message is earlier than one before it [ns]
 
@@ -123,6 +124,7 @@ def summarize(log: LogFile, progress: Progress = lambda _: None) -> LogSummary:
         tuple(topics[name] for name in sorted(topics)),
         tuple(dict.fromkeys(node.name for node in builder.snapshot(end).nodes if not node.tool)),
         log.losses(),
+        tuple(log.loss_times()),
         tuple(histogram(log, blocks, (start, end))),
         disorder(blocks),
     )

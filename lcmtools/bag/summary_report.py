@@ -53,7 +53,16 @@ def record(summary: LogSummary) -> dict[str, object]:
         "disorder": summary.disorder / 1e9,
         "nodes": list(summary.nodes),
         "losses": [
-            {"sender": str(sender), "lost": loss.lost, "of": loss.sent}
+            {
+                "sender": str(sender),
+                "lost": loss.lost,
+                "of": loss.sent,
+                "times": [
+                    {"time": time, "lost": found.lost, "of": found.sent}
+                    for time, one, found in summary.loss_times
+                    if one == sender
+                ],
+            }
             for sender, loss in summary.losses.items()
         ],
         "histogram": list(summary.histogram),

@@ -9,17 +9,20 @@
 Sans-I/O: the log's own start and end come in as arguments.
 """
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from decimal import Decimal
+from numbers import Integral, Real
 
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import UsageError
 from lcmtools.settings import parse_duration
 
 _EPOCH_FROM = 100_000_000  # [s] a smaller number is a time span
+_EPOCH_TO = 10**12  # [s] a larger integer is one of nanoseconds
 _AFTER = re.compile(r"(?:start)?\s*\+?\s*(?P<span>[\d.]+[a-z]*)", re.ASCII)
 _BEFORE = re.compile(r"(?:end)?\s*-\s*(?P<span>[\d.]+[a-z]*)", re.ASCII)
 _EPOCH = re.compile(r"\d{9,12}(?:\.\d*)?", re.ASCII)
@@ -64,6 +67,32 @@ def parse_time(text: str) -> LogTime:
     if not (form and (form["date"] or form["time"])) or (form["zone"] and not form["date"]):
         raise UsageError(f"'{text}' is not a time", _HINT)
     return _moment(text, form)
+
+
+def time_of(value: str | float) -> LogTime:
+    """Return the time for a text, or for a number: one of seconds, as in a text, or an int in ns.
+
+    An int is in nanoseconds since 1970 if it lies within the log, as ``Log.start`` does, or if in
+    seconds it would be beyond the year 30000.
+
+    Raises:
+        UsageError: It is not a time.
+    """
+    if isinstance(value, str):
+        return parse_time(value)
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise UsageError(f"{value!r} is not a time", _HINT)
+    is_integer = isinstance(value, Integral)
+    seconds = round(float(value) * NANOSECONDS)
+
+    def find(start: int, end: int) -> int:
+        if is_integer and (start <= value <= end or abs(value) > _EPOCH_TO):
+            return int(value)
+        if value >= _EPOCH_FROM:
+            return seconds
+        return (end if value < 0 else start) + seconds
+
+    return LogTime(str(value), find)
 
 
 def time_window(

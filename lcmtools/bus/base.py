@@ -9,10 +9,15 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError, BusOfParent
 
+LOCKSTEP = "LCMTOOLS_LOCKSTEP"
+"""The environment variable of programs that a recording is played to in lock-step; its value is the
+time at the start [ns]."""
+
 _MOST_FAULTS = 20  # different ones that are reported
 
 Handler = Callable[[bytes, int], None]
-"""Called with a payload and its time of arrival [ns since 1970]; must be quick."""
+"""Called with a payload and its time of arrival [ns since 1970]; must be quick, unless it is called
+by ``Bus.wait`` of a bus that ``runs_callbacks``."""
 
 
 class Bus(Protocol):
@@ -63,6 +68,9 @@ class Bus(Protocol):
         Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
 
+    def keep_order(self) -> None:
+        """Send messages in the order of ``publish`` from now on, also behind large ones."""
+
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler``, on the receiving thread, for each message on the channel.
 
@@ -87,6 +95,24 @@ class Bus(Protocol):
 
     def leave_to_parent(self) -> None:
         """Refuse all use in a forked process, which has no receiving thread; free nothing."""
+
+
+Shortcut = Callable[[bytes], bool]
+"""Sends a payload; returns False if ``Bus.publish`` must do it. Raises OSError."""
+
+
+def runs_callbacks(bus: Bus) -> bool:
+    """Return whether handlers that ``wait`` calls may take their time: another thread takes over.
+
+    Few kinds of bus can.
+    """
+    return bool(getattr(bus, "runs_callbacks", False))
+
+
+def shortcut(bus: Bus, channel: str) -> Shortcut:
+    """Return the shortest way to publish on a channel, if the kind of bus has one."""
+    make = getattr(bus, "shortcut", None)
+    return make(channel) if make else lambda _: False
 
 
 def start_thread(run: Callable[[], None], name: str) -> threading.Thread:

@@ -90,15 +90,15 @@ class DatagramBatch:
     def _received(self, count: int) -> list[Datagram]:
         data, known, add = self._data, self._senders.get, self._add_sender
         facts = _FACTS.iter_unpack(memoryview(self._facts)[: count * _FACTS.size])
-        is_known = all(self._words[place] == kind for place, kind in _KINDS.items())
+        has_time, has_ttl = (self._words[place] == kind for place, kind in _KINDS.items())
         now, places = time.time_ns(), range(0, count * _LARGEST, _LARGEST)
         slots = zip(places, self._sizes[:count].tolist(), facts, strict=True)
         return [
             (
                 data[at : at + size].tobytes(),
                 known(source) or add(source),
-                seconds * 1_000_000_000 + rest if is_known else now,
-                ttl if is_known else None,
+                seconds * 1_000_000_000 + rest if has_time else now,
+                ttl if has_ttl else None,
             )
             for at, size, (source, seconds, rest, ttl) in slots
         ]

@@ -19,7 +19,9 @@ from typing import NamedTuple
 
 from lcmtools.bus.socket_filter import FilterProgram
 
-ANCILLARY_BYTES = 64  # size of the ancillary data that ``recvmsg`` is to return
+STAMP_ROOM = socket.CMSG_SPACE(16)
+"""Size of the ancillary data that ``recvmsg`` is to return: a receive time [byte]."""
+ANCILLARY_BYTES = STAMP_ROOM + socket.CMSG_SPACE(4)  # and a time to live
 ANNOUNCED = 0x5C
 """Mark of a socket whose subscriptions are announced, or that only observes.
 
@@ -35,6 +37,9 @@ The kernel counts what a filter drops and what a full buffer drops together.
 """
 SUBSCRIBED = 0x6C
 """Mark of an announced socket whose filter drops channels that its node does not subscribe to."""
+UNFILTERED = 0x7C
+"""Mark of an announced socket whose filter the system refused, so that it receives everything."""
+OWN_MARKS = ANNOUNCED, SELECTIVE, SUBSCRIBED, UNFILTERED
 
 _WANTED_BUFFER_BYTES = 8 << 20
 # asm-generic/socket.h and linux/in.h; Python's socket module does not name these
@@ -108,13 +113,13 @@ def share_port(receiver: socket.socket) -> None:
             receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
 
 
-def request_arrival(receiver: socket.socket) -> bool:
-    """Request each datagram's receive time and time to live as ancillary data (ip(7)).
+def request_arrival(receiver: socket.socket, *, ttl: bool = True) -> bool:
+    """Request each datagram's receive time, and its time to live, as ancillary data (ip(7)).
 
     Return False if the system gives no receive time.
     """
     with contextlib.suppress(OSError):
-        if IS_LINUX:
+        if IS_LINUX and ttl:
             receiver.setsockopt(socket.IPPROTO_IP, _IP_RECVTTL, 1)
     with contextlib.suppress(OSError):
         receiver.setsockopt(socket.SOL_SOCKET, _STAMP_OPTION, 1)
@@ -190,9 +195,14 @@ def attach(receiver: socket.socket, program: FilterProgram) -> bool:
         with contextlib.suppress(OSError):
             receiver.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, argument)
             return True
-        with contextlib.suppress(OSError):  # it has none
-            receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
+        detach(receiver)
     return False
+
+
+def detach(receiver: socket.socket) -> None:
+    """Let a socket receive everything."""
+    with contextlib.suppress(OSError):  # it has no filter
+        receiver.setsockopt(socket.SOL_SOCKET, _SO_DETACH_FILTER, 0)
 
 
 def bound_wait(receiver: socket.socket, seconds: float) -> bool:

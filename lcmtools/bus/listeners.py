@@ -7,7 +7,7 @@ may always be a listener.
 import time
 from collections.abc import Callable, Collection
 
-from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
+from lcmtools.bus.kernel import OWN_MARKS, marked_sockets
 from lcmtools.bus.processes import Process, owners, udp_sockets
 from lcmtools.bus.url import BusUrl
 
@@ -74,7 +74,7 @@ class PlainListeners:
         The tables are read one after the other, and sockets may appear or disappear in between.
         """
         before, sockets = self._foreign, listening_sockets(self._url)
-        marked = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) & sockets
+        marked = marked_sockets(*OWN_MARKS) & sockets
         self._foreign = sockets - marked if marked else self._without_nodes(sockets)
         certain = bool(self._foreign & before)
         # If even this process's socket is missing, the system shows none. And a program that was

@@ -101,7 +101,7 @@ def receiving_socket(
         share_port(receiver)
         with contextlib.suppress(OSError):  # the usual buffer may do
             receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes())
-        request_arrival(receiver)
+        request_arrival(receiver, ttl=False)
         mark(receiver, SELECTIVE if program and attach(receiver, program) else ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))

@@ -1,6 +1,8 @@
 """The choice of a bus's implementation by its URL. Nothing above needs to know it."""
 
-from lcmtools.bus.base import Bus
+import os
+
+from lcmtools.bus.base import LOCKSTEP, Bus
 from lcmtools.bus.url import BusUrl
 
 
@@ -19,6 +21,10 @@ def open_bus(url: BusUrl) -> Bus:
         from lcmtools.bus.udp_bus import UdpBus
 
         return UdpBus(url)
+    if url.provider == "tcpq" and os.environ.get(LOCKSTEP):
+        from lcmtools.bus.step_bus import StepBus
+
+        return StepBus(url)
     from lcmtools.bus.lcm_bus import LcmBus
 
     return LcmBus(url)

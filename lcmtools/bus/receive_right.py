@@ -1,113 +1,146 @@
-"""The right to receive from a bus, which one thread has at a time: leader and follower.
+"""The right to receive from a bus, which one thread has at a time: a leader or the bus's own.
 
-A bus has its own thread, and lends the right to a thread that waits for messages: messages are then
-handled where their callbacks run, without a switch of threads. While that thread is away, for
-example in a callback, the bus's own thread waits for a moment and then receives again.
+A thread that waits for messages leads: messages are handled where their callbacks run, without a
+switch of threads. It keeps the right from one wait to the next, and only notes when it is away, for
+example in a callback. If it stays away, the bus's own thread takes the right until it is back.
+
+Neither needs a lock for this while nothing changes hands: each first says what it is about to do,
+and then looks at what the other says, so that at least one of them sees the other.
 """
 
 import contextlib
 import threading
+import time
 from collections.abc import Callable
 
 from lcmtools.bus.wakeup import WakeupEvent
 
-_PATIENCE = 0.015  # [s] that a thread that has received may be away; up to twice as long happens
+_PATIENCE = 0.015  # [s] that a leader may be away; up to twice as long happens
 _LONGEST_TURN = 1.0  # [s] that closing waits for a receiving thread
+_LOOK_AGAIN = 0.001  # [s]
 
 
 class ReceiveRight:
-    """The right to receive from a bus; a context manager for the bus's own thread."""
+    """The right to receive from a bus; a context manager for the bus's own thread.
+
+    Attributes:
+        is_lendable: True if other threads may lead.
+        leader: The thread that leads; 0 for none.
+        is_away: The leader does not receive now; written by the leader only.
+        is_taken: The bus's own thread receives, or is about to.
+        turns: Times that a leader went away.
+        own: The bus's own thread.
+        wakeup: Wakes the thread that receives, or the next one.
+        is_closed: Set at the end, before ``wake``.
+    """
 
     def __init__(self, *, is_lendable: bool) -> None:
-        self.is_lendable = is_lendable  # True if other threads may receive
-        self.thread = 0  # the thread that receives now; 0 for none
-        self.wakeup = WakeupEvent()  # wakes that thread, or the next one
-        # What the bus's own thread sleeps on. A thread that gets a lock needs no call to clear it:
-        # after each, it would wait for the interpreter while a callback runs.
+        self.is_lendable = is_lendable
+        self.leader = self.own = self.turns = 0
+        self.is_away = self.is_taken = True
+        self.is_closed = False
+        self.wakeup = WakeupEvent()
+        self._lock = threading.Lock()  # held by the bus's own thread while it receives
+        # What that thread sleeps on. A thread that gets a lock needs no call to clear it: after
+        # each, it would wait for the interpreter while a callback runs.
         self._alarm = threading.Lock()
         self._alarm.acquire()
-        self._lock = threading.Lock()  # held by the thread that receives
-        self.is_leader_here = False  # True while another thread receives or is about to
-        self._is_asleep = False  # True if the bus's own thread sleeps until the leader leaves
-        self.turns = self._seen = 0  # turns of leaders; those that the bus's own thread knows
+        self._seen = 0  # turns that the bus's own thread knows
+        self.is_own_asleep = False  # it sleeps until the leader goes away
 
     def __enter__(self) -> None:
-        """Receive on the bus's own thread."""
+        """Receive on the bus's own thread, after ``follow``."""
         self._lock.acquire()
-        self.thread = threading.get_ident()
 
     def __exit__(self, *_: object) -> None:
-        """Stop receiving."""
-        self.thread = 0
+        """Stop receiving on it."""
         self._lock.release()
 
-    def lead(self) -> bool:
-        """Take the right for the calling thread, until ``leave``; return False if there is none."""
-        if self.is_leader_here:
-            self.is_lendable = False  # several threads wait: the bus's own must serve all
-            self.wake()
-            return False
-        self.is_leader_here = True
-        if not self._lock.acquire(blocking=False):
-            self.wakeup.set()
-            try:
-                self._lock.acquire()
-            except BaseException:  # for example Ctrl-C
-                self.is_leader_here = False
-                raise
-            self.is_leader_here = True  # set again: another leader may have left meanwhile
-        self.thread = threading.get_ident()
+    @property
+    def is_own_turn(self) -> bool:
+        """True while the bus's own thread may receive; it looks before each turn."""
+        return self.is_taken and (self.is_away or not self.is_lendable)
+
+    def come(self) -> bool:
+        """Let the calling thread lead, until ``leave``; return False if there is no right for it.
+
+        If several threads wait, the bus's own must serve all from now on.
+        """
+        thread = threading.get_ident()
+        if self.leader != thread:
+            is_free, self.leader = self.is_away, thread
+            if not (is_free and self.is_away):
+                return self._refuse()
+        self.is_away = False
+        if self.leader != thread:
+            self.is_away = True
+            return self._refuse()
+        if self.is_taken:
+            self._take_back()
         return True
 
     def leave(self) -> None:
-        """Return the right; the thread is trusted to come back soon."""
-        self.thread = 0
+        """Note that the leader is away; it is trusted to come back soon."""
+        self.is_away = True
         self.turns += 1
-        self.is_leader_here = False
-        self._lock.release()
-        if self._is_asleep:
-            self._wake_own()
+        if self.is_own_asleep:
+            self.wake_own()
 
     def hand_over(self) -> None:
-        """Stop trusting that a thread that is away comes back soon."""
-        if not self.is_leader_here:
+        """Stop trusting that a leader that is away comes back soon."""
+        if self.is_away:
             self._seen = self.turns
-            self._wake_own()
+            self.wake_own()
 
-    def follow(self, has_work: Callable[[], bool]) -> bool:
-        """Wait on the bus's own thread while another receives or will soon do so again.
+    def follow(self, has_work: Callable[[], bool]) -> None:
+        """Wait on the bus's own thread until it must receive.
 
-        Returns False if the bus's own thread must receive: no other does, or there is work for it,
-        such as a request that came just as the other one left.
+        That is if no other leads, or stays away, or there is work, such as a request that came just
+        as it went away.
         """
-        if self._is_leader_trusted() and not has_work():  # its next turn need not wake this thread
-            self._seen = self.turns
-            self._alarm.acquire(timeout=_PATIENCE)
-        elif self.is_leader_here:
-            self._is_asleep = True
-            if self.is_leader_here:
-                self._alarm.acquire()
-            self._is_asleep = False
-        return self.is_leader_here or (self._is_leader_trusted() and not has_work())
+        while not self.is_closed and not (self.is_away and has_work()):
+            if self.is_lendable and not self.is_away and self.turns == self._seen:
+                self.is_own_asleep = True
+                if not self.is_away:
+                    self._alarm.acquire()
+                self.is_own_asleep = False
+            elif self.is_away and (not self.is_lendable or self.turns == self._seen):
+                break
+            else:  # the leader comes and goes: its next turn need not wake this thread
+                self._seen = self.turns
+                self._alarm.acquire(timeout=_PATIENCE)
+        self.is_taken = True
 
     def wake(self) -> None:
-        """Wake the receiving thread and the bus's own thread."""
+        """Wake the thread that receives and the bus's own."""
         self.wakeup.set()
-        self._wake_own()
+        self.wake_own()
 
-    def close(self) -> None:
-        """Free the descriptors, once no thread waits."""
-        # a signal handler may close the bus on the receiving thread itself
-        is_here = self.thread == threading.get_ident()
-        is_taken = not is_here and self._lock.acquire(timeout=_LONGEST_TURN)
-        self.wakeup.close()
-        if is_taken:
-            self._lock.release()
-
-    def _wake_own(self) -> None:
+    def wake_own(self) -> None:
+        """Wake the bus's own thread."""
         with contextlib.suppress(RuntimeError):  # it is awake
             self._alarm.release()
 
-    def _is_leader_trusted(self) -> bool:
-        """Return whether a leader has come and gone since the bus's own thread last looked."""
-        return self.is_lendable and self.turns != self._seen
+    def close(self) -> None:
+        """Free the descriptors, once no thread waits."""
+        # a signal handler may close the bus on the thread that receives
+        deadline = time.monotonic() + _LONGEST_TURN
+        while not self.is_away and self.leader != threading.get_ident():
+            if time.monotonic() > deadline:
+                break
+            time.sleep(_LOOK_AGAIN)
+        self.wakeup.close()
+
+    def _refuse(self) -> bool:
+        self.is_lendable = False
+        self.wake()
+        return False
+
+    def _take_back(self) -> None:
+        self.wakeup.set()
+        try:
+            with self._lock:
+                self.is_taken = False
+        except BaseException:  # for example Ctrl-C
+            self.is_away = True
+            raise

@@ -45,7 +45,6 @@ class ReceivingBus(ABC):
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._changing = threading.Lock()  # held for changes that closing must not interrupt
         self._faults = Faults(self._report)
-        self._own_thread = 0
         self._burst = 0  # times in a row that many messages waited
         self._closed = self._is_of_parent = False
 
@@ -106,6 +105,9 @@ class ReceivingBus(ABC):
         """Send none together, because one by one they cost no more (see ``Bus``)."""
         return range(len(messages))
 
+    def keep_order(self) -> None:  # noqa: B027 - most keep it anyway
+        """Do nothing (see ``Bus``)."""
+
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler`` for each message; raises BusError and InvalidName as ``publish``."""
         check_channel(channel)
@@ -122,18 +124,18 @@ class ReceivingBus(ABC):
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Receive on this thread until handlers were called or time is up (see ``Bus``)."""
-        if self._closed or not self._right.is_lendable:
+        right = self._right
+        if self._closed or not right.is_lendable or not right.come():
             wakeup.wait(timeout)
-        elif self._right.lead():  # if not, work for this thread may just have come
-            try:
-                has_received = self._wait_for_messages(wakeup, timeout)
-                if has_received and not self._right.is_lendable:
-                    self.on_received()
-            except OSError:
-                if not self._closed:  # else a signal handler has closed it while this received
-                    raise
-            finally:
-                self._right.leave()
+            return
+        try:
+            if self._wait_for_messages(wakeup, timeout) and not right.is_lendable:
+                self.on_received()
+        except OSError:
+            if not self._closed:  # else a signal handler has closed it while this received
+                raise
+        finally:
+            right.leave()
 
     def hand_over(self) -> None:
         """Receive on the bus's own thread until this one waits again."""
@@ -144,7 +146,7 @@ class ReceivingBus(ABC):
         with self._changing:
             if self._closed:
                 return
-            self._closed = True
+            self._closed = self._right.is_closed = True
         self._right.wake()
         self._thread.join(timeout=2.0)
         self._right.close()
@@ -157,7 +159,12 @@ class ReceivingBus(ABC):
     def _start(self, *, is_lendable: bool = True) -> None:
         """Start the receiving thread; ``is_lendable`` means that other threads may receive."""
         self._right = ReceiveRight(is_lendable=is_lendable)
-        self._thread = start_thread(self._run, "bus receiver")
+        try:
+            self._thread = start_thread(self._run, "bus receiver")
+        except BusError:
+            self._right.close()
+            self._leave()
+            raise
 
     def _refusal(self) -> BusError:
         """Return the error for a use of a closed bus."""
@@ -186,27 +193,25 @@ class ReceivingBus(ABC):
 
     def _dispatch(self, channel: str, payload: bytes, arrival: int | None = None) -> None:
         """Call a channel's handlers; the message arrived now unless its time is known [ns]."""
-        arrival = time.time_ns() if arrival is None else arrival
-        name = encoded(channel)
-        self._handle(name, self._handlers.get(name, ()), payload, arrival)
+        self._handle(encoded(channel), payload, time.time_ns() if arrival is None else arrival)
 
-    def _handle(
-        self, channel: bytes, handlers: tuple[Handler, ...], payload: bytes, arrival: int
-    ) -> None:
-        """Call handlers; one that fails has missed this message, and no more than that."""
-        for handler in handlers:
+    def _handle(self, name: bytes, payload: bytes, arrival: int) -> None:
+        """Call an encoded channel's handlers; what one raises costs it this message only."""
+        for handler in self._handlers.get(name, ()):
             try:
                 handler(payload, arrival)
             except Exception as error:  # noqa: BLE001, PERF203 - others receive it all the same
-                self._faults.note(f"receiving from {channel.decode(errors='replace')}", error)
+                self._note_fault(name, error)
+
+    def _note_fault(self, name: bytes, error: Exception) -> None:
+        self._faults.note(f"receiving from {name.decode(errors='replace')}", error)
 
     def _report(self, text: str) -> None:
         self.on_outage(text)
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""
-        if threading.get_ident() == self._right.thread:
-            work()
+        if self._is_done_here(work):
             return
         done: queue.SimpleQueue[Exception | None] = queue.SimpleQueue()
 
@@ -229,29 +234,47 @@ class ReceivingBus(ABC):
         if error is not None:
             raise error
 
+    def _is_done_here(self, work: Callable[[], None]) -> bool:
+        """Run ``work`` if the calling thread receives; return False if it does not."""
+        right, thread = self._right, threading.get_ident()
+        if thread == right.own:
+            work()
+            return True
+        was_away = right.is_away
+        if self._closed or thread != right.leader or not right.is_lendable or not right.come():
+            return False
+        try:
+            work()
+        finally:
+            if was_away:
+                right.leave()
+        return True
+
     def _serve_requests(self) -> None:
         while not self._requests.empty():
             self._requests.get()()
 
     def _run(self) -> None:
         """Receive while no other thread does; the bus's own thread."""
-        self._own_thread = threading.get_ident()
-        is_prepared = False
+        right, is_prepared = self._right, False
+        right.own = threading.get_ident()
         while not self._closed:
-            if self._right.is_leader_here and not is_prepared:
+            if right.leader and not is_prepared:
                 self._prepare()
                 is_prepared = True
-            if not self._right.follow(lambda: self._closed or not self._requests.empty()):
-                with self._right:
-                    if self._closed:  # the wake-up may have been meant for the previous thread
-                        break
-                    try:
-                        self._receive_on_own_thread()
-                    except Exception as error:  # noqa: BLE001 - a node must not be deaf from now on
-                        if not self._closed:  # else closing did not wait any longer for this turn
-                            self._faults.note("receiving", error)
-                            time.sleep(_PAUSE)
+            right.follow(lambda: not self._requests.empty())
+            with right:
+                while right.is_own_turn and not self._closed:
+                    self._receive_safely()
         self._serve_requests()  # requests made while it closed
+
+    def _receive_safely(self) -> None:
+        try:
+            self._receive_on_own_thread()
+        except Exception as error:  # noqa: BLE001 - a node must not be deaf from now on
+            if not self._closed:  # else closing did not wait any longer for this turn
+                self._faults.note("receiving", error)
+                time.sleep(_PAUSE)
 
     def _receive_on_own_thread(self) -> None:
         """Wait once for messages or requests, and handle them."""

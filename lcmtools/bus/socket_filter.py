@@ -83,6 +83,7 @@ def wanted(
     *,
     shorts: bool = True,
     share: tuple[int, int] | None = (0, 1),
+    heads: bool = False,
 ) -> FilterProgram:
     """Accept short messages and first fragments that pass a test, and other fragments.
 
@@ -91,8 +92,10 @@ def wanted(
         unwanted: Source port and size of large messages whose other fragments are dropped.
         shorts: Accept short messages.
         share: The share of the fragments, and the number of shares; None for no fragments.
+        heads: Of the fragments, accept the first ones only.
     """
-    fragment = [_DROP] if share is None else [*_take_share(*share), *_by_number(test, unwanted)]
+    later = [_DROP] if heads else [*_deny(unwanted), _ACCEPT]
+    fragment = [_DROP] if share is None else [*_take_share(*share), *_by_number(test, later)]
     return [
         Instruction(_LOAD_WORD, _UDP_HEADER),
         Instruction(_JUMP_EQUAL, _SHORT, 0, 1),
@@ -176,22 +179,6 @@ def nothing() -> FilterProgram:
     return [_DROP]
 
 
-def one_channel(channel: str) -> FilterProgram:
-    """Accept one channel's short messages, and the first fragments of its large ones."""
-    name = channel.encode() + b"\0"
-    short = [*_is_at(_CHANNEL, name), _ACCEPT]
-    return [
-        Instruction(_LOAD_WORD, _UDP_HEADER),
-        Instruction(_JUMP_EQUAL, _SHORT, 0, len(short)),
-        *short,
-        Instruction(_JUMP_EQUAL, _FRAGMENT, 1, 0),
-        _DROP,
-        *_is_at(_NUMBER, b"\0\0"),
-        *_is_at(_PAYLOAD, name),
-        _ACCEPT,
-    ]
-
-
 def whole_on(prefix: str) -> FilterProgram:
     """Accept short messages whole if their channel begins so; of other messages only the head.
 
@@ -224,25 +211,23 @@ def _take_share(share: int, shares: int) -> FilterProgram:
     ]
 
 
-def _by_number(test: ChannelTest, unwanted: Iterable[tuple[int, int]]) -> FilterProgram:
-    """Accept first fragments that pass a test, and others that are not of unwanted messages."""
-    later = [
-        step
-        for port, size in unwanted
-        for step in (
-            Instruction(_LOAD_HALF, _SOURCE_PORT),
-            Instruction(_JUMP_EQUAL, port, 0, 3),
-            Instruction(_LOAD_WORD, _SIZE),
-            Instruction(_JUMP_EQUAL, size, 0, 1),
-            _DROP,
-        )
-    ]
+def _deny(unwanted: Iterable[tuple[int, int]]) -> Iterator[Instruction]:
+    """Drop fragments of these source ports and sizes."""
+    for port, size in unwanted:
+        yield Instruction(_LOAD_HALF, _SOURCE_PORT)
+        yield Instruction(_JUMP_EQUAL, port, 0, 3)
+        yield Instruction(_LOAD_WORD, _SIZE)
+        yield Instruction(_JUMP_EQUAL, size, 0, 1)
+        yield _DROP
+
+
+def _by_number(test: ChannelTest, later: FilterProgram) -> FilterProgram:
+    """Accept first fragments that pass a test; others go on to ``later``."""
     return [
         Instruction(_LOAD_HALF, _NUMBER),
         Instruction(_JUMP_EQUAL, 0, 0, 1),
-        Instruction(_JUMP, len(later) + 1),
+        Instruction(_JUMP, len(later)),
         *later,
-        _ACCEPT,
         *test(_PAYLOAD),
     ]
 
@@ -258,16 +243,6 @@ def _accept_name(name: bytes, start: int) -> FilterProgram:
         tests.insert(0, Instruction(_LOADS[size], start + position))
         position += size
     return tests
-
-
-def _is_at(position: int, expected: bytes) -> Iterator[Instruction]:
-    """Go on if a datagram has these bytes at a position; drop others."""
-    while expected:
-        size = next(size for size in _LOADS if size <= len(expected))
-        yield Instruction(_LOADS[size], position)
-        yield Instruction(_JUMP_EQUAL, int.from_bytes(expected[:size], "big"), 1, 0)
-        yield _DROP
-        position, expected = position + size, expected[size:]
 
 
 def _find_channel_end(start: int) -> Iterator[Instruction]:

@@ -12,24 +12,18 @@ import contextlib
 import time
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
-from typing import TYPE_CHECKING
 
-from lcmtools.bus.group_receiver import GroupReceiver
-from lcmtools.bus.kernel import attach, buffer
+from lcmtools.bus.group_receiver import ChannelSocket, GroupReceiver
+from lcmtools.bus.kernel import buffer
 from lcmtools.bus.multicast import check_multicast
-from lcmtools.bus.socket_filter import heads_only
-from lcmtools.bus.socket_filter import large_only as large_messages
 from lcmtools.bus.udp_sender import UdpSender
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.names import check_length
 from lcmtools.wire.datagram import MAGIC_FRAGMENT, SHORT_MESSAGE_MAX
 from lcmtools.wire.packet import Packet, Sender
-from lcmtools.wire.reader import PROTOCOL_PREFIX, Reader
+from lcmtools.wire.reader import Reader
 from lcmtools.wire.sequence import Sequence as Numbers
-
-if TYPE_CHECKING:
-    from lcmtools.bus.channel_socket import ChannelSocket
 
 _NO_LIMIT = 0xFFFFFFFF  # bytes
 _BATCH = 2048  # datagrams read in one turn
@@ -52,7 +46,6 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     Args:
         url: The bus.
         whole: Assemble large messages; else only their heads are read (``Packet.whole_bytes``).
-        always_whole: Prefixes of channels whose messages are assembled anyway.
         spread: Receive with several sockets if large messages would not fit into the buffer of one
             (see ``GroupReceiver``); for observers that need all of them.
         large_only: Read only messages that are fragmented (see ``pass_large``).
@@ -74,30 +67,26 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         url: BusUrl,
         *,
         whole: bool = False,
-        always_whole: tuple[str, ...] = (),
         spread: bool = False,
         large_only: bool = False,
         hears_itself: bool = True,
     ) -> None:
         check_multicast(url)
-        self._sockets = GroupReceiver(url)
         self.sender = UdpSender(url)
         if not hears_itself:
             self.sender.bind()
-            self._sockets.own_port = self.sender.port
+        own_port = 0 if hears_itself else self.sender.port
+        self._sockets = GroupReceiver(url, heads=not whole, own_port=own_port)
         self._is_spread = spread
         if spread:
             self._sockets.make_room(_AT_FIRST)
         self.longest_nap = 0.0 if whole else _NAP
         self._nap = _NAP
-        self._wants_whole = whole or bool(always_whole)
-        self._passing = 0  # size of messages up to which the filter lets all fragments pass [byte]
-        first = self._sockets.all[0]
-        self._filtered = not whole and attach(first, heads_only())
+        self._is_whole = whole
         self._large_only = large_only
         if large_only:
             self.pass_large(_NO_LIMIT)
-        self._reader = Reader(whole=whole, always_whole=(PROTOCOL_PREFIX, *always_whole))
+        self._reader = Reader(whole=whole)
         self.malformed: Mapping[Sender, str] = self._reader.malformed
         self.sequences: Mapping[Sender, Numbers] = self._reader.sequences
         self.ttls: Mapping[Sender, int] = self._reader.ttls
@@ -130,13 +119,9 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         known = tuple(self.sequences.items())  # may grow meanwhile
         return {s: one for s, one in known if s.port != self._url.port and not one.is_shared}
 
-    def want_whole(self, channels: tuple[str, ...]) -> None:
-        """Assemble the large messages of these channels instead, as ``always_whole``."""
-        self._reader.want_whole((PROTOCOL_PREFIX, *channels))
-
     def pass_large(self, up_to: int) -> None:
         """Pass only fragmented messages, up to a size [byte], where the system can filter."""
-        attach(self._sockets.all[0], large_messages(up_to))
+        self._sockets.pass_large(up_to)
 
     def drops(self) -> int | None:
         """Return the number of datagrams lost here because they were not read fast enough.
@@ -144,7 +129,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         None if it is unknown, or includes datagrams that the filter drops.
         """
         sockets = self._sockets.all
-        found = None if self._filtered or len(sockets) > 1 else buffer(sockets[0])
+        found = None if self._sockets.is_filtered or len(sockets) > 1 else buffer(sockets[0])
         return found and found.dropped
 
     def overflows(self) -> int:
@@ -202,7 +187,6 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def _sleep(self, seconds: float) -> None:
         """Take a nap; a long one ends when a program requests nodes to announce themselves."""
         if seconds > _DEAF_NAP and self._requests is None:
-            from lcmtools.bus.channel_socket import ChannelSocket
             from lcmtools.graph.protocol import PROBE_CHANNEL
 
             try:
@@ -224,9 +208,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
     def _attend_large(self) -> None:
         """Let further messages as large as the largest so far pass the filter, and make room."""
         needed = self._reader.largest_whole
-        if self._filtered and needed > self._passing:
-            self._passing = needed
-            self._filtered = attach(self._sockets.all[0], heads_only(but_up_to=needed))
+        self._sockets.pass_whole(needed)
         if self._is_spread:
             self._sockets.make_room(needed)
 
@@ -237,6 +219,6 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         receive time is the time of reading it.
         """
         sockets = self._sockets
-        is_tight = self._wants_whole and self._reader.largest_whole > 0 and not sockets.has_room
+        is_tight = self._is_whole and self._reader.largest_whole > 0 and not sockets.has_room
         is_useful = self.longest_nap and sockets.has_times and not is_tight
         return self._turns >= _STREAM and bool(is_useful)

@@ -4,42 +4,33 @@ import socket
 import time
 from collections import deque
 from collections.abc import Collection, Sequence
+from threading import get_ident
 
 from lcmtools.bus.base import Handler
-from lcmtools.bus.channel_receiver import ChannelReceiver
-from lcmtools.bus.group_receiver import MAX_DATAGRAM
-from lcmtools.bus.kernel import ANCILLARY_BYTES, STAMP_KIND, bound_wait, received_at
+from lcmtools.bus.group_receiver import MAX_DATAGRAM, GroupReceiver
+from lcmtools.bus.kernel import STAMP_KIND, STAMP_ROOM, bound_wait, received_at
 from lcmtools.bus.multicast import check_multicast
 from lcmtools.bus.receiving_bus import BATCH, ReceivingBus, encoded
 from lcmtools.bus.udp_sender import UdpSender
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
-from lcmtools.wire.datagram import (
-    CHANNEL_MAX,
-    MAGIC_SHORT,
-    MESSAGE_MAX,
-    SHORT_HEADER_BYTES,
-    Fragment,
-    ShortMessage,
-    parse,
-)
+from lcmtools.wire.datagram import MESSAGE_MAX, Fragment, parse, split_short
 from lcmtools.wire.packet import Datagram
-from lcmtools.wire.reassembly import INCOMPLETE, Reassembler
+from lcmtools.wire.reassembly import Reassembler
 
-_LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # latest end of a channel in a short message
 _GAP = 0.005  # [s] at most between the messages of a stream
 _GAP_NS = round(1e9 * _GAP)
 _MOST_AT_ONCE = 2048
 _LATE = 1_000_000  # [ns]: a message that has waited longer is one of many
 _AT_FIRST = 1_000_000  # bytes of a large message that has room even before the first one comes
-_MOST_UNCERTAIN = 16 << 20  # bytes of messages that are kept before their first fragments come
+_MOST_EARLY = 16 << 20  # bytes of messages that are kept before their first fragments come
 
 
 class UdpBus(ReceivingBus):
     """A multicast group, received with the filters of the channels that have handlers.
 
     Publishing is safe from any thread and from signal handlers. Handlers run on the receiving
-    thread and must be quick.
+    thread; on one that waits, they may take their time.
 
     Attributes:
         ports: The UDP port that everything is sent from.
@@ -49,18 +40,22 @@ class UdpBus(ReceivingBus):
         BusError: Multicast does not work here; the error says what to type.
     """
 
+    runs_callbacks = True  # see ``bus.base.runs_callbacks``
+
     def __init__(self, url: BusUrl) -> None:
         check_multicast(url)
         super().__init__(url)
-        self._sockets = ChannelReceiver(url)
+        self._sockets = GroupReceiver(url, channels=())
         self._only = self._sockets.all[0]  # the one socket while there are no others
         self._recvmsg = self._only.recvmsg
         self._can_await = bound_wait(self._only, _GAP)
         self._sender = UdpSender(url)
-        self._send = self._sender.send
+        self._send, self.shortcut = self._sender.send, self._sender.shortcut
         self._sender.bind()
         self.ports = [self._sender.port]
-        self._reassembler = Reassembler(max_bytes=2 * MESSAGE_MAX)
+        self._reassembler = Reassembler(
+            self._wants, max_bytes=2 * MESSAGE_MAX, max_early_bytes=_MOST_EARLY
+        )
         self._read: deque[Datagram] = deque()  # in order of arrival; if there are several sockets
         self._is_streaming = False  # a message has come soon after the one before
         self._is_late = False
@@ -72,9 +67,44 @@ class UdpBus(ReceivingBus):
         """Send those of these messages that cost less if sent together (see ``Bus``)."""
         return self._sender.send_together(messages)
 
+    def keep_order(self) -> None:
+        """Let no message overtake a large one (see ``Bus``)."""
+        self._sender.keeps_order = True
+
+    def leave_to_parent(self) -> None:
+        """Refuse all use in a forked process; see ``Bus``."""
+        super().leave_to_parent()
+        self._sender.is_open = False
+
     def lost(self, channel: str) -> int:
         """Return the number of large messages on a channel that arrived incompletely."""
         return self._reassembler.lost.get(channel, 0)
+
+    def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
+        """Receive on this thread until handlers were called or time is up (see ``Bus``).
+
+        The next message of a stream is awaited in its socket, where no event can wake this thread.
+        This saves one system call before the callback, an eighth of the latency between processes.
+        An event waits for that message, or for the gap that ends a stream.
+        """
+        right = self._right
+        if self._is_streaming and right.leader == get_ident():
+            right.is_away = False
+            try:
+                if not (
+                    right.is_taken
+                    or right.leader != get_ident()
+                    or right.wakeup.is_set
+                    or wakeup.is_set
+                    or (timeout is not None and timeout < _GAP)
+                ) and self._read_one(0):
+                    return
+            finally:
+                right.leave()
+        super().wait(wakeup, timeout)
+
+    def _wants(self, channel: str) -> bool:
+        return encoded(channel) in self._handlers
 
     def _subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         if is_large:
@@ -101,25 +131,8 @@ class UdpBus(ReceivingBus):
         self._sender.close()
         self._sockets.close()
 
-    def _wait_for_messages(self, event: WakeupEvent | None, timeout: float | None) -> bool:
-        """Wait for messages, requests or an event; of a stream, for its next message only.
-
-        The next message is awaited in its socket, where no event can wake this thread. This saves
-        one system call before the callback, an eighth of the latency between processes. An event
-        waits for that message, or for the gap that ends a stream.
-        """
-        if (
-            self._is_streaming
-            and not self._right.wakeup.is_set
-            and not (event and event.is_set)
-            and (timeout is None or timeout >= _GAP)
-            and self._read_one(0)
-        ):
-            return True
-        return super()._wait_for_messages(event, timeout)
-
     def _receive_on_own_thread(self) -> None:
-        # at once if a callback keeps the other thread: each call may wait for the interpreter
+        # at once if a callback keeps the leader: each call may wait for the interpreter
         is_alone = len(self._sockets.all) == 1 and self._requests.empty()
         if is_alone and self._right.turns and self._drain():
             self.on_received()
@@ -130,19 +143,19 @@ class UdpBus(ReceivingBus):
         """Handle messages until one has just come, which need not wait for a look for more."""
         handled = 0
         if len(self._sockets.all) == 1:
-            while handled < most and self._read_one(socket.MSG_DONTWAIT):
+            while handled < most and not self._closed and self._read_one(socket.MSG_DONTWAIT):
                 handled += 1
                 if not self._is_late:
                     break
-                if self._right.thread == self._own_thread:  # a callback keeps the other busy
+                if get_ident() == self._right.own:  # a callback keeps the leader busy
                     return handled + self._drain()
         else:
             if not self._read:
                 self._read.extend(self._sockets.read(BATCH))
-            handled = min(most, len(self._read))
-            for _ in range(handled):
+            while handled < most and self._read and not self._closed:
                 data, sender, arrived, _ttl = self._read.popleft()
-                self._take(data, sender[:2], arrived)
+                self._take(data, (sender.address, sender.port), arrived)
+                handled += 1
         if handled == most:
             self._count_overflows()
         return handled
@@ -155,7 +168,7 @@ class UdpBus(ReceivingBus):
         ):
             count = 0
             for data, sender, arrived, _ in self._sockets.datagrams(self._only, BATCH):
-                self._take(data, sender[:2], arrived)
+                self._take(data, (sender.address, sender.port), arrived)
                 count += 1
             total += count
             self._count_overflows()
@@ -164,54 +177,59 @@ class UdpBus(ReceivingBus):
     def _read_one(self, flags: int) -> bool:
         """Handle the next datagram at the only socket; return False if there is none."""
         try:
-            data, ancillary, _, sender = self._recvmsg(MAX_DATAGRAM, ANCILLARY_BYTES, flags)
+            data, ancillary, _, sender = self._recvmsg(MAX_DATAGRAM, STAMP_ROOM, flags)
         except OSError:  # none, or a signal handler has closed the bus
             self._is_streaming = False
             return False
         now = arrived = time.time_ns()
-        if ancillary and ancillary[0][1] == STAMP_KIND:  # as ``arrival``, in a third of the time
+        if ancillary and ancillary[0][1] == STAMP_KIND:
             arrived = received_at(ancillary[0][2])
         self._is_late = now - arrived > _LATE
         self._is_streaming = (
-            self._can_await and arrived - self._latest < _GAP_NS and not self._is_late
+            self._can_await and not self._is_late and arrived - self._latest < _GAP_NS
         )
         self._latest = arrived
         self._take(data, sender, arrived)
         return True
 
-    def _take(self, data: bytes, sender: tuple[object, ...], arrived: int) -> None:
+    def _take(self, data: bytes, sender: tuple[str, int], arrived: int) -> None:
         """Handle one datagram; a malformed one is ignored."""
-        if data.startswith(MAGIC_SHORT):
-            end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
-            name = data[SHORT_HEADER_BYTES : max(0, end)]
-            handlers = self._handlers.get(name)
-            if handlers:
-                self._handle(name, handlers, data[end + 1 :], arrived)
-        elif isinstance(fragment := parse(data), Fragment):
-            whole = self._join(fragment, sender, arrived)
-            if whole is not None:
-                self._dispatch(whole.channel, whole.payload, arrived)
+        name, payload = split_short(data)
+        if payload is None:
+            self._take_fragment(data, sender, arrived)
+        elif name in self._handlers:
+            self._handle(name, payload, arrived)
 
-    def _join(
-        self, fragment: Fragment, sender: tuple[object, ...], arrived: int
-    ) -> ShortMessage | None:
-        """Add a fragment to its message; return the message if it is complete."""
-        port, size, unwanted = sender[1], fragment.message_size, self._sockets.unwanted
-        assert isinstance(port, int)
-        if fragment.channel is not None:
-            if encoded(fragment.channel) not in self._handlers:
-                return None
-            if unwanted.want(port):
-                self._sockets.attach_filters()
-            self._sockets.make_room(size)
-        joined = self._reassembler
-        joined.drop_before(arrived - INCOMPLETE)
-        if fragment.channel is None and not joined.has_first(sender, fragment.seqno):
-            if unwanted.note(port, size, arrived):
-                self._sockets.attach_filters()
-            if joined.kept_bytes > _MOST_UNCERTAIN:
-                return None
-        return joined.add(sender, fragment, arrived)
+    def _take_fragment(self, data: bytes, sender: tuple[str, int], arrived: int) -> None:
+        fragment = parse(data)
+        if not isinstance(fragment, Fragment):
+            return
+        if fragment.channel is None:
+            if not self._reassembler.has_first(sender, fragment.seqno):
+                self._sockets.note_unwanted(sender[1], fragment.message_size, arrived)
+        elif self._wants(fragment.channel):
+            self._sockets.want(sender[1], fragment.message_size)
+        whole = self._reassembler.add(sender, fragment, arrived)
+        if whole is not None:
+            self._handle(encoded(whole.channel), whole.payload, arrived)
+
+    def _handle(self, name: bytes, payload: bytes, arrived: int) -> None:
+        """Call a channel's handlers; a leader is away meanwhile, as they may run callbacks."""
+        right, thread = self._right, get_ident()
+        if is_leader := right.leader == thread:
+            right.is_away = True
+            right.turns += 1
+            if right.is_own_asleep:
+                right.wake_own()
+        for handler in self._handlers.get(name, ()):
+            try:
+                handler(payload, arrived)
+            except Exception as error:  # noqa: BLE001, PERF203 - others receive it all the same
+                self._note_fault(name, error)
+        if is_leader and not self._closed:
+            right.is_away = False
+            if right.is_taken or right.leader != thread:
+                right.come()
 
     def _count_overflows(self) -> None:
         """Count what the kernel dropped, if a socket's buffer is at least half full."""

@@ -15,6 +15,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Sequence
 
+from lcmtools.bus.base import Shortcut
 from lcmtools.bus.kernel import cuts_datagrams, send_cut
 from lcmtools.bus.multicast import send_to_group, sending_socket
 from lcmtools.bus.sending_thread import SendingThread
@@ -23,9 +24,12 @@ from lcmtools.errors import BusError
 from lcmtools.wire.datagram import (
     CHANNEL_MAX,
     MAGIC_FRAGMENT,
+    MAGIC_SHORT,
     MESSAGE_MAX,
+    SHORT_HEADER_BYTES,
     SHORT_MESSAGE_MAX,
     datagrams,
+    short_head,
     short_message,
 )
 
@@ -41,10 +45,13 @@ _MOST_BYTES_TOGETHER = 65_000  # on their way they form one datagram
 
 
 class UdpSender(SendingThread[tuple[str, bytes]]):
-    """Sends messages, those of each channel in the given order.
+    """Sends messages, those of each channel in the given order; all, if it ``keeps_order``.
 
     Large messages, and any that would overtake one, are sent by its own thread.
     """
+
+    keeps_order = False
+    is_open = True
 
     def __init__(self, url: BusUrl) -> None:
         super().__init__("paced sender")
@@ -75,7 +82,8 @@ class UdpSender(SendingThread[tuple[str, bytes]]):
             OSError: The system does not send it.
         """
         size = len(payload)
-        if size > PACED_ABOVE_BYTES or channel in self._channels:
+        waiting = self._channels
+        if size > PACED_ABOVE_BYTES or channel in waiting or (self.keeps_order and waiting):
             self._queue(channel, payload)
         elif size > _SURELY_SHORT:
             self.send_at_once(channel, payload)
@@ -85,6 +93,23 @@ class UdpSender(SendingThread[tuple[str, bytes]]):
                 self._sendto(datagram, self._address)
             except OSError:
                 send_to_group(self._socket, datagram, self._address)
+
+    def shortcut(self, channel: str) -> Shortcut:
+        """Return a function that does for a channel's short payloads what ``send`` does."""
+        head, name = short_head, short_message(0, channel, b"")[SHORT_HEADER_BYTES:]
+        numbers, sendto, address = self._numbers, self._sendto, self._address
+
+        def send_short(payload: bytes) -> bool:
+            if self._channels or not self.is_open or len(payload) > _SURELY_SHORT:
+                return False
+            datagram = head(MAGIC_SHORT, next(numbers) & 0xFFFFFFFF) + name + payload
+            try:
+                sendto(datagram, address)
+            except OSError:
+                send_to_group(self._socket, datagram, address)
+            return True
+
+        return send_short
 
     def send_at_once(self, channel: str, payload: bytes) -> None:
         """Send one message before this returns, as liblcm does.
@@ -116,6 +141,7 @@ class UdpSender(SendingThread[tuple[str, bytes]]):
 
     def close(self) -> None:
         """Send queued messages, for half a second at most, and close the socket."""
+        self.is_open = False
         super().close()
         self._socket.close()
 

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -18,6 +19,7 @@ if TYPE_CHECKING:  # --help and usage errors do not need the bus
     from lcmtools.bus.url import BusUrl
     from lcmtools.graph.model import Graph
     from lcmtools.observe.reading.monitor import BusMonitor
+    from lcmtools.observe.reading.sources import LogObserver
 
 
 def chosen_url() -> "BusUrl":
@@ -43,17 +45,33 @@ def with_notes(url: "BusUrl", source: str) -> "BusUrl":
     return url
 
 
-def chosen_log() -> str | None:
-    """Return the log that the command line names instead of the bus.
+def chosen_logs() -> list[str]:
+    """Return the logs that the command line names instead of the bus.
 
     Raises:
-        UsageError: It names a bus, too.
+        UsageError: It names a bus, too; or a part of a log, and no log.
     """
     choice = bus_choice()
-    if choice.log is not None and (choice.url or choice.domain):
+    if choice.logs and (choice.url or choice.domain):
         hint = "leave out --lcm-url and --domain"
         raise UsageError("-b reads a log instead of the bus", hint)
-    return choice.log
+    if choice.part and not choice.logs:
+        raise UsageError(f"--{next(iter(choice.part))} is for logs", "name one with -b")
+    return choice.logs
+
+
+def log_observer(paths: "Sequence[str]") -> "LogObserver":
+    """Open logs, or the part of them that the command line selects."""
+    from lcmtools.observe.reading.sources import LogObserver
+
+    part = bus_choice().part
+    observer = LogObserver(*paths, last=part.get("last"))
+    if "start" in part or "end" in part:
+        from lcmtools.bag.times import time_window
+
+        span = observer.logs.span()
+        observer.logs.between = time_window(span, part.get("start"), part.get("end"))
+    return observer
 
 
 def open_monitor(
@@ -61,22 +79,21 @@ def open_monitor(
     *,
     whole: bool = False,
     plays: bool = False,
-    log: str | None = None,
+    logs: "Sequence[str]" = (),
     asks: bool = False,
 ) -> "BusMonitor":
     """Open the bus or the log that the command line selects, for the command ``tool``.
 
     Large messages come as a whole, or only their heads; a log is played at its own speed, or read
-    at once, as ``log`` and that of ``--bag`` are. A request to shut down ends the command as
+    at once, as ``logs`` and those of ``--bag`` are. A request to shut down ends the command as
     SIGTERM does. ``asks`` is for commands that wait for all nodes: these answer while the rest is
     imported.
     """
-    if (log := log or chosen_log()) is not None:
+    if logs := logs or chosen_logs():
         from lcmtools.bus.url import BusUrl
         from lcmtools.observe.reading.monitor import BusMonitor
-        from lcmtools.observe.reading.sources import LogObserver
 
-        return BusMonitor(BusUrl("file", log), tool, os.environ, LogObserver(log))
+        return BusMonitor(BusUrl("file", ",".join(logs)), tool, os.environ, log_observer(logs))
     url = chosen_url()
     observer = _asking(url) if asks and url.is_multicast else None
     asked = time.monotonic() if observer else 0.0
@@ -122,7 +139,7 @@ def notify(text: str) -> None:
 
 def notify_damage(monitor: "BusMonitor") -> None:
     """Write a note if the log that was read has bytes that belong to no message."""
-    if monitor.log and (damage := monitor.log.damage()):
+    if monitor.logs and (damage := monitor.logs.damage()):
         notify(damage)
 
 

@@ -109,6 +109,7 @@ param = _group(
 _BAG = _entries("""\
 record      cli.bag.record:command         Record messages into a log.
 play        cli.bag.play:command           Publish the messages of logs again, as timed.
+rerun       cli.bag.rerun:command          Test a program with a recording.
 info        cli.bag.info:info              Show what is in logs.
 plot        cli.plot:of_log                Draw fields of a log over time.
 filter      cli.bag.filter_cut:filter_     Write the messages that meet a condition.
@@ -137,6 +138,11 @@ bag = _group(
     "cut ride.lcmlog end.lcmlog -s end-1m",
     "plot ride.lcmlog /imu/angular_velocity -o turning.png",
 )
+_TF = _entries("""\
+tree  cli.tf:tree  Show the tree of coordinate frames.
+echo  cli.tf:echo  Print the pose of a frame in another one.
+""")
+tf = _group("tf", "Look at coordinate frames.", _TF, "tree", "echo odom base_link")
 _GUI = _entries("""\
 all     cli.gui.panels:all_panels  Open a window with all panels; the default.
 steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
@@ -198,6 +204,7 @@ plot        cli.plot:command                   Draw fields of messages over time
 bag         cli.commands:bag                   Record, play and inspect logs.
 relay       cli.relay:command                  Carry messages between buses; serve tcpq.
 foxglove    cli.foxglove:command               Serve the bus to Foxglove and Lichtblick.
+tf          cli.commands:tf                    Show coordinate frames: tree, echo.
 node        cli.commands:node                  Query nodes: list, info, ping and more.
 msg         cli.commands:msg                   Show message types: list, show, proto and more.
 service     cli.commands:service               List and call services.

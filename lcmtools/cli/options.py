@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Sequence
 from itertools import compress, pairwise
+from typing import Any
 
 import click
 from click.core import ParameterSource
@@ -20,10 +21,11 @@ class BusChoice:
 
     url: str | None = None
     domain: str | None = None
-    log: str | None = None  # read instead of the bus
 
     def __init__(self) -> None:
         self.names = NodeArguments()
+        self.logs: list[str] = []  # read instead of the bus
+        self.part: dict[str, Any] = {}  # of the logs: "start" and "end" (``LogTime``), "last"
 
 
 def _remember(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
@@ -101,10 +103,22 @@ names_options = together(
 """``--ns`` and ``--remap``, which ``BusChoice.names`` then has."""
 
 
-def _remember_log(ctx: click.Context, parameter: click.Parameter, value: str | None) -> None:
-    if value is not None and parameter.hidden:  # type: ignore[attr-defined] # it is an option
+def _remember_logs(ctx: click.Context, parameter: click.Parameter, value: Sequence[str]) -> None:
+    if value and parameter.hidden:  # type: ignore[attr-defined] # it is an option
         raise UsageError("a log cannot answer", "leave out -b to ask the nodes on the bus")
-    ctx.ensure_object(BusChoice).log = value
+    ctx.ensure_object(BusChoice).logs += value
+
+
+def _remember_part(ctx: click.Context, parameter: click.Parameter, value: object) -> None:
+    if value is not None:
+        ctx.ensure_object(BusChoice).part[str(parameter.name)] = value
+
+
+def log_time(text: object) -> object:
+    """Return the time within a log that an option's text means."""
+    from lcmtools.bag.times import parse_time
+
+    return parse_time(text) if isinstance(text, str) else text
 
 
 def _bag_option(*, hidden: bool) -> Callable[[CommandT], CommandT]:
@@ -112,21 +126,43 @@ def _bag_option(*, hidden: bool) -> Callable[[CommandT], CommandT]:
         "-b",
         "--bag",
         metavar="FILE",
-        callback=_remember_log,
+        multiple=True,
+        callback=_remember_logs,
         expose_value=False,
         hidden=hidden,
-        help="Read an LCM log instead of the bus.",
+        help="Read an LCM log instead of the bus; several, as of a split, are read as one.",
         completer="files",
+    )
+
+
+def _part_option(*names: str, kind: Callable[..., object], text: str) -> Callable[..., Any]:
+    metavar = "TIME" if kind is log_time else "N"
+    return option(
+        *names, metavar=metavar, type=kind, callback=_remember_part, expose_value=False, help=text
+    )
+
+
+def part_options(*, short: bool = True) -> Callable[[CommandT], CommandT]:
+    """Return ``--start``, ``--end`` and ``--last`` for logs; ``-s`` and ``-e`` if ``short``."""
+    start, end = (["-s"], ["-e"]) if short else ([], [])
+    return together(
+        _part_option(*start, "--start", kind=log_time, text="A log from this time: 10s, end-5s."),
+        _part_option(*end, "--end", kind=log_time, text="A log up to this time."),
+        _part_option("--last", kind=whole_number(1), text="A log's last N messages of each topic."),
     )
 
 
 bag_option = _bag_option(hidden=False)
 """``--bag`` of commands that can do without anybody's answer; ``open_monitor`` reads it."""
-looking_options = together(names_options, bus_options, bag_option)
+looking_options = together(names_options, bus_options, bag_option, part_options())
 """The options of commands that look at a bus or a log; ``looking_names``, ``in_names`` read them.
 
 ``LazyGroup`` takes ``__ns:=`` and ``a:=b`` out of the words of the commands that have these.
 """
+looking_options_of_list = together(
+    names_options, bus_options, bag_option, part_options(short=False)
+)
+"""The same for ``list``, whose ``-s`` is that of rostopic."""
 asking_options = together(names_options, bus_options, _bag_option(hidden=True))
 """The options of commands that ask nodes, which a log cannot answer."""
 

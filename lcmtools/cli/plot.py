@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lcmtools.cli.bus import looking_names, notify, notify_damage, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, option, subcommand
-from lcmtools.cli.options import looking_options
+from lcmtools.cli.options import looking_options, part_options
 from lcmtools.cli.output import clearing, write_data, write_note
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError
@@ -72,14 +72,15 @@ def command(
 @subcommand("plot")
 @examples(
     "bag plot ride.lcmlog /husky0/odometry/twist.twist.linear.x",
-    "bag plot ride.lcmlog /imu/angular_velocity -o turning.png",
+    "bag plot ride.lcmlog /imu/angular_velocity -o turning.png -s end-5s",
 )
 @argument("log", metavar="FILE", completer="files")
 @_fields
 @_output
+@part_options()
 def of_log(log: str, fields: tuple[str, ...], output: str | None) -> None:
     """Draw fields of a log's messages over time, on the terminal or into a picture."""
-    with open_monitor("bag plot", log=log) as monitor:
+    with open_monitor("bag plot", logs=[log]) as monitor:
         curves = Curves(monitor, fields, looking_names(), notify)
         deque(curves.follow(), 0)
         notify_damage(monitor)

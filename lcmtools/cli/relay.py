@@ -18,7 +18,7 @@ from lcmtools.cli.output import write_result
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.graph.relay_report import Link, State
-from lcmtools.names import resolve
+from lcmtools.names import has_wildcard, resolve
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.relay.ends import check_end
 from lcmtools.relay.hub import Hub, HubCounts, serve
@@ -149,6 +149,9 @@ def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
             line.write("stands by" if is_idle else f"there {on}; back {back}; {_lost_text(link)}")
 
     with StatusLine("lcmtools relay") as line:
+        if rules.allow and not any(map(has_wildcard, rules.allow)):
+            only = f"only {' and '.join(rules.allow)} can pass"
+            line.write_note(f"{only}; --allow '**' passes the other topics, too")
         for url in urls:
             wait_for_bus(url, line.write_note)
         try:
@@ -175,11 +178,13 @@ def _summary(link: Link) -> str:
 
 
 def _lost_text(link: Link) -> str:
-    """Return the counts of messages lost on the way to the relay, and dropped for a slow line."""
+    """Return the counts of messages lost on the way to the relay, dropped there, and left out."""
     lost, dropped = (sum(getattr(end, what) for end in link.ends) for what in ("lost", "dropped"))
     parts = [f"{lost} lost on the way to the relay"] if lost else []
     parts += [f"{dropped} dropped"] if dropped else []
-    return ", ".join(parts) or "none lost"
+    left_out = sum(end.left_out for end in link.ends)
+    text = ", ".join(parts) or "none lost"
+    return f"{text}, {left_out} left out by its rules" if left_out else text
 
 
 def run_server(url: BusUrl, line: StatusLine) -> NoReturn:

@@ -10,7 +10,7 @@ import click
 
 from lcmtools.cli.declare import duration, examples, flag, option, subcommand
 from lcmtools.cli.ending import end_with_reader
-from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option
+from lcmtools.cli.options import bag_option, bus_choice, bus_options, json_option, part_options
 from lcmtools.cli.output import (
     results_beside,
     write_data,
@@ -38,7 +38,7 @@ from lcmtools.formats.strict_json import write_json
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
-@subcommand("wtf", json_option, bus_options, bag_option, cls=JudgingCommand)
+@subcommand("wtf", json_option, bus_options, bag_option, part_options(), cls=JudgingCommand)
 @examples(
     "wtf",
     "wtf --ignore unconnected-publications --json",
@@ -87,7 +87,7 @@ def command(
     if not rules:
         raise WrongUsage("no rules are left", "lcmtools wtf --list shows them")
     if watch:
-        if save_to or load_from or bus_choice().log:
+        if save_to or load_from or bus_choice().logs:
             raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")
         every = USUAL if wait is None else wait
         look = partial(look_once, every, as_json=as_json, at_least=every, memory=Memory())

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from lcmtools.cli.bus import chosen_log, chosen_url, notify
+from lcmtools.cli.bus import chosen_logs, chosen_url, log_observer, notify
 from lcmtools.cli.declare import option
 from lcmtools.cli.options import bus_choice
 from lcmtools.doctor.collect import USUAL, collect, unusable
@@ -70,10 +70,10 @@ def rule_option(*names: str, text: str, multiple: bool) -> Callable[..., Callabl
 def judged_rules(named: Sequence[Rule]) -> Sequence[Rule]:
     """Return the rules that are named, else all; of a log those that judge messages."""
     try:
-        log = chosen_log()
+        logs = chosen_logs()
     except UsageError as error:
         raise WrongUsage(error.what, error.hint) from error
-    if log is None:
+    if not logs:
         return named or RULES
     from lcmtools.doctor.recorded import OF_LOGS
 
@@ -87,10 +87,10 @@ def look_once(
     listen: float | None, *, as_json: bool, at_least: float = 0.0, memory: Memory | None = None
 ) -> Evidence:
     """Return the evidence; in JSON a bus that the environment names wrongly is a finding too."""
-    if (log := chosen_log()) is not None:
+    if logs := chosen_logs():
         from lcmtools.doctor.recorded import collect_log
 
-        evidence = collect_log(log)
+        evidence = collect_log(log_observer(logs))
         notify("in a log only messages are judged, not connections, computers or processes")
         return evidence
     try:

@@ -30,6 +30,7 @@ from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
+from lcmtools.observe.actuators import unattended_commands
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SocketTable, is_gone, is_here, user_name
 from lcmtools.observe.simulators import publishes_time
@@ -94,6 +95,8 @@ def _observe(
 ) -> Evidence:
     baseline = _Baseline.now(monitor)
     evidence = replace(evidence, before=baseline.graph)
+    if driven := [odometry for _, _, odometry in unattended_commands(baseline.graph)]:
+        monitor.listen_to(driven)  # a simulator publishes no odometry that nobody wants
     _receive(monitor, baseline.listening, listen)
     found = memory.recall(_gather(monitor, evidence, baseline, listen))
     if _LONG_ENOUGH <= listen < LONGER and in_doubt(found):
@@ -298,6 +301,7 @@ def _listeners(
     buffers, before, after = kernel.receive_buffers(), baseline.table, names.table
     # a channel socket's kernel counters mean nothing: its filter drops nearly everything
     selective = kernel.marked_sockets(kernel.SELECTIVE)
+    unfiltered = kernel.marked_sockets(kernel.UNFILTERED)
     filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     hung = hanging(baseline.waiting)
@@ -326,6 +330,7 @@ def _listeners(
                 is_node=bool(nodes),
                 joined=kernel.joined_interfaces(process.pid, inode, group) if process else (),
                 interpreter=interpreter(process.command) if process else "",
+                is_unfiltered=inode in unfiltered,
                 hangs=process is not None and process.pid in hung,
             )
         )

@@ -6,11 +6,14 @@ laser's infinite range is a measurement, and -1 in an IMU's covariance means: un
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.types.std_msgs import Time
+
+if TYPE_CHECKING:  # the import is slow, and most looks do not need it
+    from lcmtools.types.nav_msgs import Odometry
 
 _FLOATS = ("float32", "float64")
 _QUATERNION = "geometry_msgs/Quaternion"
@@ -27,6 +30,8 @@ _NAN_ALLOWED = {  # as the types themselves define
     },
 }
 """Fields in which NaN is legal (it means 'not measured'), by message type."""
+_ODOMETRY = "nav_msgs/Odometry"
+_STANDS = 0.05  # [m/s] and [rad/s]
 _SQUARES = {9: 3, 36: 6}
 _MOST_NUMBERS = 4096
 _MOST_MESSAGES = 64
@@ -34,7 +39,10 @@ _TOLERANCE = 1e-6
 _UNIT_TOLERANCE = 0.1
 
 Odd = tuple[str, str]
-"""A kind ("not-finite", "quaternion", "covariance", "nsec") and what is odd where."""
+"""A kind ("not-finite", "quaternion", "covariance", "nsec") and what is odd where.
+
+"drives" is a robot's motion, which is odd only if nobody commands it.
+"""
 
 
 def oddities(message: Message, path: str = "") -> Iterator[Odd]:
@@ -43,6 +51,8 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
     name = type_name(cls)
     if name == _QUATERNION:
         yield from _quaternion(message, path)
+    elif name == _ODOMETRY:
+        yield from _motion(cast("Odometry", message))
     elif isinstance(message, Time) and not 0 <= message.nsec < _SECOND:
         yield "nsec", f"{path}nsec is {message.nsec}, and a second has {_SECOND}"
     fields = visible_fields(cls)
@@ -52,6 +62,13 @@ def oddities(message: Message, path: str = "") -> Iterator[Odd]:
     for field in fields:
         if field.name not in unmeasured and field.name not in _NAN_ALLOWED.get(name, ()):
             yield from _field(getattr(message, field.attribute), field, f"{path}{field.name}")
+
+
+def _motion(message: "Odometry") -> Iterator[Odd]:
+    velocity = message.twist.twist
+    speed, turn = math.hypot(velocity.linear.x, velocity.linear.y), abs(velocity.angular.z)
+    if max(speed, turn) > _STANDS:
+        yield "drives", f"drives at {speed:.2f} m/s, {turn:.2f} rad/s"
 
 
 def _field(value: object, field: Field, path: str) -> Iterator[Odd]:

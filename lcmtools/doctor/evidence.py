@@ -74,6 +74,7 @@ class Listener:
     is_node: bool = False  # has a filter that drops malformed datagrams, which count as drops
     joined: tuple[str, ...] = ()  # interfaces on which it is in the bus's group, if known
     interpreter: str = ""  # of its program: "python3.11", "java"; "" for none
+    is_unfiltered: bool = False  # a socket of lcmtools whose filter the kernel refused
     hangs: bool = False  # liblcm has had messages for it since the start, and it read none
 
 

@@ -6,7 +6,6 @@ not in ``OF_LOGS``.
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor.collect import clock_of
@@ -27,15 +26,10 @@ OF_LOGS = frozenset(
 """The rules that need only messages."""
 
 
-def collect_log(path: str | Path) -> Evidence:
-    """Return the evidence in all messages of a log.
-
-    Raises:
-        BusError: It cannot be read.
-    """
-    url = BusUrl("file", str(path))
-    observer = LogObserver(str(path))
-    log = observer.file
+def collect_log(observer: LogObserver) -> Evidence:
+    """Return the evidence in all messages of logs."""
+    logs = observer.logs
+    url = BusUrl("file", ",".join(str(one.path) for one in logs.files))
     with BusMonitor(url, "wtf", {}, observer) as monitor:
         listening = Listening(monitor.types_of, share=math.inf)
         first = 0
@@ -58,5 +52,5 @@ def collect_log(path: str | Path) -> Evidence:
             frames=listening.frames(names.name),
             logs=listening.logs(),
             clock=clock_of(listening, graph, names, {}),
-            damaged_bytes=log.size - sum(event.end - event.start for event in log.events()),
+            damaged_bytes=logs.damaged_bytes(),
         )

@@ -60,6 +60,11 @@ class Endpoint(NamedTuple):
         """Its identity among the endpoints of its node."""
         return self.topic, self.role, self.group, self.types
 
+    @property
+    def is_counted(self) -> bool:
+        """False for an endpoint whose program counts no messages: a plain one, or a command."""
+        return bool(self.depth or self.messages or self.last_time)
+
     def rate_since(self, earlier: "Endpoint") -> float | None:
         """Return the rate of its messages since an earlier announcement [Hz].
 

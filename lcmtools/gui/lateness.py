@@ -4,7 +4,9 @@ Pure: times are arguments [s]. The clocks of page and server differ by an unknow
 least difference seen so far counts as no delay.
 """
 
-LATEST_DRIVE = 0.35  # [s] after which a command to drive is obsolete
+from lcmtools.gui.dead_man import HOLD
+
+LATEST_DRIVE = HOLD  # [s] after which a command to drive is obsolete
 LATEST_ACTION = 2.0  # [s] the same for a click
 _DRIFT = 1e-4  # between two clocks, as a fraction
 _LONGEST_GAP = 0.2  # [s] that counts between two requests: what has waited comes all at once

@@ -40,7 +40,7 @@ _MOST_READ = 100_000  # most messages that a plot of the whole log uses
 
 
 class LogSource:
-    """A log that is played; it begins at its start.
+    """A log that is played, or several as one; it begins at its start.
 
     Raises:
         BusError: The file cannot be read, or is not a log.
@@ -52,9 +52,9 @@ class LogSource:
     steering: Steering | None = None
     recordings: Recordings | None = None
 
-    def __init__(self, path: str, notify: Callable[[str], None] = lambda _: None) -> None:
-        self.name = path
-        self._playlist = Playlist([path], Choice(), notify)
+    def __init__(self, *paths: str, notify: Callable[[str], None] = lambda _: None) -> None:
+        self.name = ", ".join(paths)
+        self._playlist = Playlist(paths, Choice(), notify)
         self._player = Player(self._playlist.messages, self._playlist.span, now=time.monotonic_ns())
         builder = self._playlist.announced()
         self._decoder = Decoder(builder.types_of)

@@ -16,6 +16,7 @@ from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
+from lcmtools.gui.dead_man import TOO_LATE
 from lcmtools.gui.lateness import LATEST_ACTION, LATEST_DRIVE, Lateness
 from lcmtools.gui.protocol import (
     Frame,
@@ -36,7 +37,6 @@ _ANSWERED = ("ask", "do", "open")  # operations that get one frame as an answer
 _STATE_PERIOD = 0.25  # [s]
 _MAY_NOT = "this page may only watch, not command"
 _BURST = 0.09  # [s] for which what comes after a late command has waited with it
-_TOO_LATE = "it came too late from the page: nothing was sent"
 
 
 class BrowserPage:
@@ -143,7 +143,7 @@ class BrowserPage:
             self._obsolete_until = now + _BURST
         if steering and COMMAND in self._rights:
             is_obsolete = request.op == "drive" and now < self._obsolete_until
-            refusal = _TOO_LATE if is_obsolete else steering.execute(id(self), request)
+            refusal = TOO_LATE if is_obsolete else steering.execute(id(self), request, self._late)
         if refusal != self._refusals.get(request.id, ""):
             self._refusals[request.id] = refusal
             self._send({"id": request.id, "data": {"refused": refusal}})
@@ -166,7 +166,7 @@ class BrowserPage:
         """Return why the page's present request to command is ignored; "" if it is not."""
         if right not in self._rights:
             return _MAY_NOT
-        return _TOO_LATE if self._late > LATEST_ACTION else ""
+        return TOO_LATE if self._late > LATEST_ACTION else ""
 
     async def _reply(
         self, number: int, work: Callable[[], Json], turn: AbstractAsyncContextManager[None]

@@ -7,9 +7,10 @@ from typing import TypeVar, cast
 from lcmtools.bounded import BoundedDict
 from lcmtools.bus.url import BusUrl
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
+from lcmtools.messages.registry import Message, fingerprint, type_name
+from lcmtools.names import check_channel
 from lcmtools.node.node import Node
-from lcmtools.node.publisher import Publisher
+from lcmtools.node.publisher import PayloadPublisher
 from lcmtools.node.service import Client, ServiceType
 from lcmtools.publish.own_node import own_node
 
@@ -46,7 +47,7 @@ class Publishers:
         self._lock = threading.RLock()
         self._stack = ExitStack()
         self._node: Node | None = None
-        self._publishers: dict[tuple[str, type[Message]], Publisher[Message]] = {}
+        self._publishers: dict[tuple[str, tuple[str, int]], PayloadPublisher] = {}
         self._clients: dict[tuple[str, object], object] = {}
         self._is_ending = threading.Event()
         self.answers = Answers()
@@ -60,17 +61,21 @@ class Publishers:
             return self._node
 
     def publish(self, topic: str, kind: type[Message], payload: bytes) -> None:
-        """Publish a message of a type, encoded, on a channel of this name.
+        """Publish a message of a type, encoded; see ``publish_payload``."""
+        self.publish_payload(topic, (type_name(kind), fingerprint(kind)), payload)
+
+    def publish_payload(self, topic: str, kind: tuple[str, int], payload: bytes) -> None:
+        """Publish a payload on the channel of this name, with its type's name and fingerprint.
 
         Raises:
             BusError: The bus cannot be reached, or does not accept it.
             InvalidName: LCM cannot carry this name.
         """
         with self._lock:
-            key = topic, kind
-            if key not in self._publishers:
-                self._publishers[key] = self.node.create_publisher(kind, topic, plain_channel=True)
-            self._publishers[key].publish_payload(payload)
+            if (topic, kind) not in self._publishers:
+                made = self.node.create_payload_publisher(check_channel(topic), *kind)
+                self._publishers[topic, kind] = made
+            self._publishers[topic, kind].publish_payload(payload)
 
     def client(
         self, kind: ServiceType[RequestT, ResponseT], name: str

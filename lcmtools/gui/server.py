@@ -29,7 +29,7 @@ from lcmtools.gui.page import BrowserPage
 from lcmtools.gui.protocol import LONGEST_REQUEST, SUBPROTOCOL, Json, MalformedRequest
 from lcmtools.gui.source import Source
 from lcmtools.gui.static_files import FileContent, StaticFiles
-from lcmtools.gui.steering import SpeedLimits, Steering
+from lcmtools.gui.steering import SpeedLimits
 from lcmtools.gui.streams.pool import StreamPool
 from lcmtools.signals import ENDING, Doubles
 
@@ -76,7 +76,6 @@ class Server:
             try:
                 with (
                     _cancelled_by_signals(loop, task),
-                    _stopping_robots_before_suspension(loop, self._source.steering),
                     contextlib.suppress(asyncio.CancelledError),
                 ):
                     loop.run_until_complete(task)
@@ -127,7 +126,11 @@ class Server:
         try:
             async with server:
                 on_start(int(next(iter(server.sockets)).getsockname()[1]))
-                await server.serve_forever()
+                try:
+                    await asyncio.Event().wait()
+                finally:  # pages may go on to drive while they are being closed
+                    if self._source.steering:
+                        self._source.steering.close()
         finally:
             if self._source.publishers:
                 self._source.publishers.end_calls()
@@ -254,29 +257,6 @@ def _cancelled_by_signals(
             signal.signal(number, handler)
         if came:
             signal.raise_signal(came[0])
-
-
-@contextlib.contextmanager
-def _stopping_robots_before_suspension(
-    loop: asyncio.AbstractEventLoop, steering: Steering | None
-) -> Iterator[None]:
-    """Let Ctrl-Z stop what pages drive before it suspends this process."""
-    is_main = threading.current_thread() is threading.main_thread()
-    if steering is None or not is_main or signal.getsignal(signal.SIGTSTP) != signal.SIG_DFL:
-        yield
-        return
-
-    def suspend() -> None:
-        steering.stop_all()
-        loop.remove_signal_handler(signal.SIGTSTP)
-        os.kill(os.getpid(), signal.SIGTSTP)
-        loop.add_signal_handler(signal.SIGTSTP, suspend)  # the process goes on here
-
-    loop.add_signal_handler(signal.SIGTSTP, suspend)
-    try:
-        yield
-    finally:
-        loop.remove_signal_handler(signal.SIGTSTP)
 
 
 def _single_header(request: Request, name: str) -> str | None:

@@ -14,7 +14,7 @@ from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.recording import Recordings
 from lcmtools.gui.steering import SpeedLimits, Steering
-from lcmtools.gui.watchdog import Watchdog
+from lcmtools.gui.steering_process import SteeringProcess
 from lcmtools.messages.registry import Message
 from lcmtools.names import check_length, closest
 from lcmtools.observe.channels.feed import Feed, Snapshot
@@ -71,10 +71,10 @@ class BusSource:
         self.name = str(monitor.url)
         publishers = Publishers(monitor.url)
         self.publishers: Publishers | None = publishers
-        watchdog = partial(Watchdog, monitor.url) if monitor.url.provider in _SHARED else None
-        self.steering: Steering | None = Steering(
-            publishers, limits, is_lossy=monitor.url.is_multicast, watchdog=watchdog
-        )
+        self.steering: Steering | None = None
+        if monitor.url.provider in _SHARED:
+            start = partial(SteeringProcess, monitor.url)
+            self.steering = Steering(publishers, limits, start)
         self.recordings: Recordings | None = Recordings(monitor.url, directory)
         self._feed = Feed(monitor, ChannelSelection(), keeps_last=True)
         self._feed.listens_to_all = False

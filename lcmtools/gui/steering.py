@@ -1,7 +1,7 @@
 """Steering: velocity commands of pages, published while a page holds, then stops, then silence.
 
-A separate thread sends the stops, so that no robot runs away if the server is busy, and a separate
-process if the server is suspended or killed.
+Each command is passed on to a process of its own with its stop and the end of its validity. That
+process alone publishes, and its clock alone stops the robots (``steering_process``).
 """
 
 import threading
@@ -9,19 +9,17 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from math import inf
 
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.gui.dead_man import STOPS, DeadMansSwitch
+from lcmtools.gui.dead_man import HOLD, STOP_GAP, STOPS, Command
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
+from lcmtools.gui.steering_process import NoAnswer, SteeringProcess
 from lcmtools.gui.velocity import VelocityCommand
-from lcmtools.gui.watchdog import Watchdog
-from lcmtools.messages.registry import message_class
+from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.names import check_channel
 
 FASTEST = 10.0  # [m/s] and [rad/s] that a page can command
-_END = 1.0  # [s] at most for the stops when the server ends
-_SUSPENSION = 0.2  # [s] the same when it is suspended
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,148 +31,105 @@ class SpeedLimits:
 
 
 class Steering:
-    """The commands of all pages, for any thread; on a lossy bus a command may be lost.
-
-    ``watchdog`` returns the process that stops topics in the server's place; None for none.
-    """
+    """The commands of all pages, for any thread; ``start`` starts the process that publishes."""
 
     def __init__(
-        self,
-        publishers: Publishers,
-        limits: SpeedLimits,
-        *,
-        is_lossy: bool,
-        watchdog: Callable[[], Watchdog] | None = None,
+        self, publishers: Publishers, limits: SpeedLimits, start: Callable[[], SteeringProcess]
     ) -> None:
         self.limits = limits
-        self._publishers = publishers
-        self._changed = threading.Condition()
-        self._switch = DeadMansSwitch(STOPS if is_lossy else 1)
-        self._start_watchdog = watchdog
-        self._watchdog: Watchdog | None = None
-        self._commands: dict[str, tuple[str, VelocityCommand]] = {}  # by topic, with its type
-        self._thread: threading.Thread | None = None
+        self.pids: set[int] = set()  # of the processes that have published
+        self._publishers, self._start_process = publishers, start
+        self._lock = threading.Lock()
+        self._driven: dict[tuple[str, tuple[str, int]], Command] = {}  # by topic and type
+        self._process: SteeringProcess | None = None
         self._is_over = False
 
     def prepare(self) -> None:
-        """Start the thread and the process that stop topics, ahead of the first command."""
-        with self._changed:
-            self._start()
+        """Start the process ahead of the first command."""
+        with self._lock, suppress(LcmtoolsError):
+            self._started()
 
-    def execute(self, page: int, request: PageRequest) -> str:
-        """Execute "drive", "release" or "stop"; return as ``drive``; else MalformedRequest."""
-        topic = request.text("topic")
-        if request.op == "release":
-            self.release(page, topic)
-            return ""
-        if request.op == "stop":
-            return self.stop(page, topic, request.text("type"))
-        velocity = request.number("forward"), request.number("turn")
-        return self.drive(page, topic, request.text("type"), velocity)
+    def execute(self, page: int, request: PageRequest, late: float = 0.0) -> str:
+        """Execute "drive", "release" or "stop" of a page; return why it is ignored, else "".
 
-    def drive(self, page: int, topic: str, kind: str, velocity: tuple[float, float]) -> str:
-        """Publish a page's command; return the reason if it is ignored, else "".
-
-        The velocity is forward [m/s], and the turn rate to the left [rad/s]; larger ones are
-        limited.
+        The velocity is "forward" [m/s], and the rate of the "turn" to the left [rad/s]; larger
+        ones are limited. A command that came ``late`` [s] is valid for less time. Raises
+        MalformedRequest.
         """
-        with self._changed:
-            try:
-                self._prepare(topic, kind)
-                refusal = self._switch.drive(page, topic, time.monotonic())
-                if not refusal:
-                    self._command(topic, *velocity)
-            except LcmtoolsError as error:
-                return str(error)
-            self._changed.notify()
-            return refusal
-
-    def release(self, page: int, topic: str) -> None:
-        """Stop a topic that the page drives."""
-        with self._changed:
-            self._switch.release(page, topic, time.monotonic())
-            self._changed.notify()
-
-    def stop(self, page: int, topic: str, kind: str) -> str:
-        """Stop a topic, whoever drives it; return the reason if that is impossible, else ""."""
-        with self._changed:
-            try:
-                self._prepare(topic, kind)
-            except LcmtoolsError as error:
-                return str(error)
-            self._switch.stop(page, topic, time.monotonic())
-            self._changed.notify()
-            return ""
+        topic, kind, velocity = request.text("topic"), "", None
+        if request.op != "release":
+            kind = request.text("type")
+        if request.op == "drive":
+            forward = _within(self.limits.linear, request.number("forward"))
+            velocity = forward, _within(self.limits.angular, request.number("turn"))
+        try:
+            command = _command(request.op, page, topic, kind, velocity)
+        except LcmtoolsError as error:
+            return str(error)
+        return self._execute(command._replace(until=time.monotonic() + HOLD - late))
 
     def leave(self, page: int) -> None:
         """Stop everything that a page drives, because the page is gone."""
-        with self._changed:
-            self._switch.leave(page, time.monotonic())
-            self._changed.notify()
-
-    def stop_all(self) -> None:
-        """Stop everything, and wait until that has been sent."""
-        with self._changed:
-            self._switch.end(time.monotonic())
-            self._changed.notify()
-            if self._thread:
-                self._changed.wait_for(lambda: self._switch.next_time == inf, _SUSPENSION)
+        if self._process:
+            self._execute(Command("release", page))
 
     def close(self) -> None:
         """Stop everything, and end."""
-        with self._changed:
+        with self._lock:
             self._is_over = True
-            self._switch.end(time.monotonic())
-            self._changed.notify()
-            thread = self._thread
-        if thread:
-            thread.join(_END)
-        if self._watchdog:
-            self._watchdog.close()
+            if self._process:
+                self._process.close()
+                self._process = None
 
-    def _prepare(self, topic: str, kind: str) -> None:
-        if self._is_over:
-            raise LcmtoolsError("the server is ending")
-        if self._commands.get(topic, ("",))[0] != kind:
+    def _started(self) -> SteeringProcess:
+        if self._process is None:
+            self._process = self._start_process()
+            self.pids.add(self._process.pid)
+        return self._process
+
+    def _execute(self, command: Command) -> str:
+        with self._lock:
+            if self._is_over:
+                return "the server is ending"
             try:
-                self._commands[topic] = kind, VelocityCommand(message_class(kind))
-            except ValueError as error:
-                raise UsageError(str(error)) from None
-        self._start()
+                refusal = self._started().execute(command)
+            except NoAnswer as error:
+                self._stop_all(command)
+                return str(error)
+            if command.payload and not refusal:
+                self._driven[command.topic, command.kind] = command
+            for key, one in [*self._driven.items()]:
+                if command.releases(one.page, one.topic):
+                    del self._driven[key]
+            return refusal
 
-    def _start(self) -> None:
-        if self._thread is None and not self._is_over:
-            self._thread = threading.Thread(target=self._run, name="steering", daemon=True)
-            self._thread.start()
-            self._watchdog = self._start_watchdog() if self._start_watchdog else None
+    def _stop_all(self, command: Command) -> None:
+        """Stop what the process drove that is gone or stands still; the next command starts one."""
+        if self._process:
+            self._process.kill()
+            self._process = None
+        for one in (command, *self._driven.values()):
+            for _ in range(STOPS if one.stop else 0):
+                with suppress(LcmtoolsError):  # the network is gone: no robot hears it either
+                    self._publishers.publish_payload(one.topic, one.kind, one.stop)
+                time.sleep(STOP_GAP)
+        self._driven.clear()
 
-    def _run(self) -> None:
-        with self._changed:
-            while True:
-                for topic in self._switch.stops_due(time.monotonic()):
-                    with suppress(LcmtoolsError):  # the page learns of it by its own commands
-                        self._publish(topic, self._payload(topic, 0.0, 0.0))
-                        if self._watchdog:
-                            self._watchdog.release(topic)
-                pause = self._switch.next_time - time.monotonic()
-                if pause == inf:
-                    self._changed.notify_all()
-                if self._is_over and pause == inf:
-                    return
-                self._changed.wait(None if pause == inf else max(0.0, pause))
 
-    def _command(self, topic: str, forward: float, turn: float) -> None:
-        if self._watchdog:
-            self._watchdog.watch(topic, self._payload(topic, 0.0, 0.0))
-        forward = _within(self.limits.linear, forward)
-        turn = _within(self.limits.angular, turn)
-        self._publish(topic, self._payload(topic, forward, turn))
-
-    def _publish(self, topic: str, payload: bytes) -> None:
-        self._publishers.publish(topic, message_class(self._commands[topic][0]), payload)
-
-    def _payload(self, topic: str, forward: float, turn: float) -> bytes:
-        return self._commands[topic][1].payload(forward, turn, time.time_ns())
+def _command(
+    op: str, page: int, topic: str, kind: str, velocity: tuple[float, float] | None
+) -> Command:
+    """Return a command with its messages."""
+    if op == "release":
+        return Command(op, page, topic)
+    cls, now = message_class(kind), time.time_ns()
+    try:
+        message = VelocityCommand(cls)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    payload = message.payload(*velocity, now) if velocity else b""
+    stop = message.payload(0.0, 0.0, now)
+    return Command(op, page, check_channel(topic), (kind, fingerprint(cls)), payload, stop)
 
 
 def _within(limit: float, value: float) -> float:

@@ -20,6 +20,7 @@ class LabProgram:
     subscribes: tuple[str, ...] = ()  # topics that it must subscribe to
     has_keys: bool = False  # it is driven by keys, and not by its callbacks
     may_end: bool = False  # it may end by itself when its work is done
+    check_time: float = 8.0  # that the check of a right one usually takes [s]
     rate: float = 4.0  # simulated seconds per second of its check, where simulated time counts
 
     @property
@@ -75,7 +76,7 @@ _HUSKY = Lab(
         "lcmtools echo /husky0/odometry",
         'lcmtools pub /husky0/wheel_cmd sensor_msgs/JointState "effort: [1, 1]"',
         "lcmtools lab skeleton simple_controller",
-        "lcmtools lab check husky",
+        "lcmtools lab check husky simple_controller.py",
     ),
 )
 _PIONEER = Lab(
@@ -91,6 +92,7 @@ _PIONEER = Lab(
             publishes=("/RosAria/cmd_vel",),
             types=("geometry_msgs/Twist",),
             has_keys=True,
+            check_time=14.0,
             rate=1.0,
         ),
         LabProgram(
@@ -107,6 +109,7 @@ _PIONEER = Lab(
             types=("geometry_msgs/Twist",),
             subscribes=("/path", "/ground_truth"),
             may_end=True,
+            check_time=14.0,
         ),
     ),
     (
@@ -115,7 +118,7 @@ _PIONEER = Lab(
         "lcmtools run image_view image:=/camera/depth/image_raw",
         "lcmtools run pioneer_manual_controller",
         "lcmtools lab skeleton pioneer_manual_controller",
-        "lcmtools lab check pioneer",
+        "lcmtools lab check pioneer pioneer_manual_controller.py",
     ),
 )
 _DOLLY = Lab(
@@ -126,7 +129,11 @@ _DOLLY = Lab(
     "/dolly",
     (
         LabProgram(
-            "mover", "moving_robot", publishes=("/dolly/cmd_vel",), types=("geometry_msgs/Twist",)
+            "mover",
+            "moving_robot",
+            publishes=("/dolly/cmd_vel",),
+            types=("geometry_msgs/Twist",),
+            check_time=14.0,
         ),
         LabProgram("reader", "reading_laser", subscribes=("/dolly/laser_scan",)),
     ),
@@ -136,7 +143,7 @@ _DOLLY = Lab(
         "lcmtools run moving_robot",
         "lcmtools hz /dolly/cmd_vel",
         "lcmtools lab skeleton moving_robot",
-        "lcmtools lab check dolly",
+        "lcmtools lab check dolly moving_robot.py",
     ),
 )
 

@@ -7,8 +7,6 @@ All programs are looked up before any is started.
 import os
 import shlex
 import shutil
-import sys
-import sysconfig
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -18,12 +16,17 @@ from lcmtools.errors import UsageError
 from lcmtools.launch.packages import is_there, lab_packages, package_folder, path_from
 from lcmtools.names import did_you_mean
 from lcmtools.packages.finding import find_node, own_answer, undeclared
-from lcmtools.packages.programs import built_program, command_of, program_in, python_command
+from lcmtools.packages.programs import (
+    RUN,
+    built_program,
+    command_of,
+    program_in,
+    python_command,
+)
 from lcmtools.packages.runnable_nodes import OWN, Runnable, runnables
 from lcmtools.packages.workspace import workspace
 from lcmtools.ros_words.nodes import PACKAGES, SAME_NODE
 
-RUN = ("lcmtools", "run")
 _TUTORIALS = ("beginner_tutorials", "my_package")
 """Packages that the labs' texts name, whose nodes lcmtools has under the same names."""
 
@@ -118,17 +121,6 @@ def find_script(word: str, folder: Path) -> tuple[str, ...]:
     if path.suffix == ".py" and path.is_file() and not os.access(path, os.X_OK):
         return python_command(path)
     return command_of(Path(find_program(str(path), folder)))
-
-
-def startable(command: Sequence[str]) -> list[str]:
-    """Return a command line as it is started here: ``lcmtools`` means the running one."""
-    words = list(command)
-    place = next((i for i in range(len(words)) if tuple(words[i : i + 2]) == RUN), None)
-    if place is None:
-        return words
-    own = Path(sysconfig.get_path("scripts")) / OWN
-    words[place : place + 1] = [str(own)] if own.is_file() else [sys.executable, "-m", OWN]
-    return words
 
 
 def _own(name: str, known: Sequence[Runnable], package: str) -> Executable:

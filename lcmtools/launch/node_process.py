@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
 
-from lcmtools.launch.executables import RUN, startable
 from lcmtools.launch.plan import NodePlan, Output
+from lcmtools.packages.programs import RUN, startable
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
 

@@ -5,12 +5,13 @@ slower and reports the fault. Must not know the errors that users see.
 """
 
 import struct
+from collections.abc import Sequence
 from functools import cache
 from itertools import groupby
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from lcmtools.messages.compiled import Codecs, Scan, Write, compiled
-from lcmtools.messages.enums import EnumType
+from lcmtools.messages.enums import EnumType, EnumValue
 from lcmtools.messages.fields import length_values
 from lcmtools.messages.layout import Layout, Leaf, check_type, is_bounded, layout, smallest
 from lcmtools.messages.registry import Message, fingerprint
@@ -87,6 +88,8 @@ def _codec(leaf: Leaf) -> ArrayCodec | Array | None:
         codec: ArrayCodec = _Messages(row, leaf.where)
     else:
         codec = primitive_array(leaf.field.type, leaf.where, sizes[-1])
+        if isinstance(leaf.field.type, EnumType):
+            codec = _Enums(leaf.field.type, codec)
     return codec if len(sizes) == 1 else Array(codec, leaf.where)
 
 
@@ -106,6 +109,21 @@ def _read_other(
         return read_string(cursor, leaf.where)
     sizes = length_values(owner, leaf.field)
     return codec.read(sizes, cursor) if isinstance(codec, Array) else codec.read(sizes[0], cursor)
+
+
+class _Enums(ArrayCodec):
+    """An array of an enum's values, which are numbers with names; ``numbers`` are these."""
+
+    def __init__(self, enum: EnumType, numbers: ArrayCodec) -> None:
+        self._enum, self._numbers = enum.cls, numbers
+        self.smallest = numbers.smallest
+
+    def write(self, values: object, count: int) -> bytes:
+        return self._numbers.write(values, count)
+
+    def read(self, count: int, cursor: Cursor) -> list[EnumValue]:
+        numbers = as_sequence(self._numbers.read(count, cursor))
+        return list(map(self._enum, cast("Sequence[int]", numbers)))
 
 
 class _Messages(ArrayCodec):

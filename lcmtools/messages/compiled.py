@@ -273,7 +273,8 @@ class _Reading:
 
 def _holds_numbers(part: Field) -> bool:
     """Return True for arrays of one dimension, of numbers or bytes."""
-    return len(part.dimensions) == 1 and part.type != "bool" and part.type in FORMATS
+    is_other = part.type == "bool" or isinstance(part.type, EnumType)
+    return len(part.dimensions) == 1 and not is_other and part.type in FORMATS
 
 
 def _set_lengths(cls: type[Message], variable: str) -> Iterator[str]:

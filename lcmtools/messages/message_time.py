@@ -20,7 +20,9 @@ _NAME = re.compile(
 _LETTERS = {"u": "micro", "m": "milli", "n": "nano"}
 _HEADERS = ("header", "hdr")
 _NUMBERS = ("int64", "float64")
-_FIRST, _LAST = 10**18, 4 * 10**18  # [ns since 1970] 2001 and 2096
+FIRST_TIME = 10**18
+"""The first time since 1970 that counts as one (2001) [ns]; an earlier one is of another base."""
+_LAST = 4 * 10**18  # [ns since 1970] 2096
 
 
 class MessageTime(NamedTuple):
@@ -58,7 +60,7 @@ def _in_unit(field: str, value: float) -> MessageTime | None:
         return MessageTime(field, value, value * 1000, "microseconds")
     for unit, length in UNITS.items():
         is_usual = (unit == "seconds") == isinstance(value, float)  # whole seconds are too coarse
-        if is_usual and _FIRST <= value * length < _LAST:
+        if is_usual and FIRST_TIME <= value * length < _LAST:
             return MessageTime(field, value, int(value * length), unit)
     return None
 

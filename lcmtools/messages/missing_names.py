@@ -11,15 +11,15 @@ def import_hint(module: str, name: str) -> str:
     source = shipped_types()
     names = [*source.fingerprints, *source.services]
     packages = sorted({one.partition("/")[0] for one in names})
-    package = module.removeprefix(source.prefix).removesuffix(".msg").removesuffix(".srv")[1:]
-    if module in ("lcmtools", source.prefix):
+    package = module.removeprefix(source.module).removesuffix(".msg").removesuffix(".srv")[1:]
+    if module in ("lcmtools", source.module):
         near = [name] if name in packages else closest(name, packages)
-        return f"write: from {source.prefix} import {near[0]}" if near else ""
+        return f"write: from {source.module} import {near[0]}" if near else ""
     if package not in packages:
         return ""
-    place, shorts = f"{source.prefix}.{package}", _names_in(package, names)
+    place, shorts = f"{source.module}.{package}", _names_in(package, names)
     if name in _PARTS:
-        return f"write: from {place} import ..., without .{name}"
+        return f"here it is {place}"
     near = [name] if name in shorts else closest(name, shorts)
     return f"write: from {place} import {near[0]}" if near else f"it has {', '.join(shorts)}"
 

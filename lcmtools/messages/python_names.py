@@ -5,7 +5,7 @@ Must not know files or lcm-gen's output.
 """
 
 from collections.abc import Collection, Iterable
-from functools import cache
+from functools import cache, lru_cache
 from itertools import chain
 from keyword import iskeyword
 
@@ -20,7 +20,8 @@ _MEMBERS = {
 }
 """The members of lcm-gen's classes, and those that lcmtools adds."""
 
-_START, _BITS, _SIGN = 0x12345678, (1 << 64) - 1, 1 << 8
+_START, _ENUM_START = 0x12345678, 0x87654321
+_BITS, _SIGN = (1 << 64) - 1, 1 << 8
 
 HashedField = tuple[str, str, tuple[int | str, ...]]
 """A field's name, its type by LCM's name ("" for another message), and its array sizes."""
@@ -46,10 +47,27 @@ def base_hash(parts: Iterable[HashedField]) -> int:
     See lcm-proj/lcm, lcmgen/lcmgen.c.
     """
     value = _START
-    for byte in chain.from_iterable(map(_hashed_bytes, parts)):
+    for part in parts:
+        value = _after(value, part)
+    return value
+
+
+@lru_cache(maxsize=1 << 16)
+def _after(value: int, part: HashedField) -> int:
+    """Return the hash of a field and of those before it, which types that are compared share."""
+    return _hash(value, _hashed_bytes(part))
+
+
+def _hash(value: int, data: Iterable[int]) -> int:
+    for byte in data:
         high = value >> 55  # as of a signed number
         value = ((value << 8 ^ (high if high < _SIGN else high - 2 * _SIGN)) + byte) & _BITS
     return value
+
+
+def enum_hash(name: str) -> int:
+    """Return the fingerprint of an enum, by its name without the package."""
+    return _hash(_ENUM_START, _hashed_text(name))
 
 
 def _is_taken(name: str) -> bool:
@@ -60,12 +78,12 @@ def _is_taken(name: str) -> bool:
 @cache
 def _hashed_bytes(part: HashedField) -> tuple[int, ...]:
     """Return the bytes that lcm-gen hashes for a field."""
-
-    def text(name: str) -> tuple[int, ...]:
-        data = name.encode()
-        return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char
-
     name, primitive, dimensions = part
-    sizes = ((isinstance(size, str), *text(str(size))) for size in dimensions)
-    kind = text(primitive) if primitive else ()
-    return (*text(name), *kind, len(dimensions), *chain.from_iterable(sizes))
+    sizes = ((isinstance(size, str), *_hashed_text(str(size))) for size in dimensions)
+    kind = _hashed_text(primitive) if primitive else ()
+    return (*_hashed_text(name), *kind, len(dimensions), *chain.from_iterable(sizes))
+
+
+def _hashed_text(name: str) -> tuple[int, ...]:
+    data = name.encode()
+    return len(data), *(byte - 256 if byte > 127 else byte for byte in data)  # noqa: PLR2004 - char

@@ -29,11 +29,10 @@ from lcmtools.messages.type_names import (
     preference,
     resemblance,
 )
-from lcmtools.messages.type_source import Problem, TypeSource
+from lcmtools.messages.type_source import Problem, TypeSource, version_name
 
 _SHIPPED = "lcmtools.types."
 _OURS = "lcmtools"  # the version that means lcmtools' own type: std_msgs/String@lcmtools
-_USERS = "lcmtools_types_"  # prefix of the package below which packages.cache writes types
 
 
 class Message(Protocol):
@@ -93,27 +92,27 @@ class Registry:
         self, name: str, number: int | None = None, *, any_version: bool = False
     ) -> type[Message]:
         """Import and return the class of a type; see ``lcmtools.message_class``."""
-        source, found = self._type(name, number)
+        source, found, meant = self._type(name, number)
         if not any_version and number is None and "@" not in name:
             self._warn_once(source, found)
-        return cast("type[Message]", _load(source.prefix, found))
+        return _message_class(source, found, meant)
 
     def message_classes(self, names: Iterable[str]) -> Iterator[type[Message]]:
         """Import and yield the classes of types, with all their versions, in the names' order."""
         versions: defaultdict[str, dict[int, TypeSource]] = defaultdict(dict)
         for source in reversed(self._all()):
-            for name, number in source.fingerprints.items():
-                versions[name][number] = source
+            for name in source.fingerprints:
+                versions[name].update(dict.fromkeys(source.numbers(name), source))
         for name in names:
-            for _, source in sorted(versions[name].items()):
+            for number, source in sorted(versions[name].items()):
                 with suppress(ImportError, AttributeError):  # made anew, or removed, meanwhile
-                    yield cast("type[Message]", _load(source.prefix, name))
+                    yield _message_class(source, name, number)
 
     def service_class(self, name: str) -> type[ServiceType]:
         """Return a service's pair of messages; UnknownType unless exactly one has the name."""
         found = self.service_name(name)
         source = next(one for some in self._tiers() for one in some if found in one.services)
-        return cast("type[ServiceType]", _load(source.prefix, found))
+        return cast("type[ServiceType]", _load(source.module, found))
 
     def service_name(self, name: str) -> str:
         """Return a service's full name, "std_srvs/Trigger"; UnknownType unless exactly one fits."""
@@ -135,7 +134,7 @@ class Registry:
     def enum_class(self, name: str) -> type[EnumValue]:
         """Return the class of an enum, one of ``enum_names``."""
         source = next(one for one in self._all() if name in one.enums)
-        return cast("type[EnumValue]", _load(source.prefix, name))
+        return cast("type[EnumValue]", _load(source.module, name))
 
     def candidates(self, fingerprint: int, channel: str = "") -> list[str]:
         """Return the names of the types with this fingerprint (equal fields), likeliest first.
@@ -148,11 +147,7 @@ class Registry:
             return -short, -whole, name not in own, *preference(name)
 
         for sources in self._tiers():
-            having = [one for one in sources if fingerprint in one.fingerprints.values()]
-            found = [
-                (n, one) for one in having for n, f in one.fingerprints.items() if f == fingerprint
-            ]
-            if found:
+            if found := [(name, one) for one in sources for name in one.names(fingerprint)]:
                 names = {name for name, _ in found}
                 stored = self._supply.recorded_names(fingerprint) if self._supply else ()
                 own = {name for name, one in found if one not in self._fixed}
@@ -166,16 +161,16 @@ class Registry:
         It is the name itself, or for a version that the name alone does not mean, with its file:
         "rover/state_t@old/state_t.lcm".
         """
-        known = self._versions(name)
+        known = self.versions(name)
         if fingerprint not in known or fingerprint == next(iter(known)):
             return name
         return f"{name}@{_version(fingerprint, known)}"
 
     def file(self, name: str, number: int | None = None) -> str:
         """Return the .lcm file of a user's own type; "" for a shipped one."""
-        having = (one for some in self._tiers() for one in some if name in one.fingerprints)
-        found = (one for one in having if number in (None, one.fingerprints[name]))
-        return next((one.files.get(name, "") for one in found), "")
+        having = (one.numbers(name) for some in self._tiers() for one in some)
+        found = (known for known in having if known and (number is None or number in known))
+        return next((known[number or next(iter(known))] for known in found), "")
 
     def files(self) -> dict[str, str]:
         """Return the .lcm file of each of the user's own types."""
@@ -185,26 +180,28 @@ class Registry:
 
     def problems(self) -> Sequence[Problem]:
         """Return the problems of the user's own .lcm files."""
-        far = self._supply.far() if self._supply else None
-        return far.problems if far else ()
+        installed = self._supply.installed() if self._supply else None
+        return installed.problems if installed else ()
 
-    def _type(self, name: str, number: int | None) -> tuple[TypeSource, str]:
-        """Return the source of a type, and its full name."""
+    def _type(self, name: str, number: int | None) -> tuple[TypeSource, str, int]:
+        """Return the source of a type, its full name and its fingerprint."""
         name, _, version = name.partition("@")
         if version:
             number = self._version_number(name, version)
         if number is not None and (exact := self._exact(full_name(name), number)):
             return exact
-        return self._named(name, number)
+        source, found = self._named(name)
+        exact = self._exact(found, number) if number is not None else None
+        return exact or (source, found, source.fingerprints[found])
 
-    def _exact(self, name: str, number: int) -> tuple[TypeSource, str] | None:
+    def _exact(self, name: str, number: int) -> tuple[TypeSource, str, int] | None:
         """Return the source that has this very type; a broken file of another does not matter."""
         every = (one for sources in self._tiers() for one in sources)
-        return next(((one, name) for one in every if one.fingerprints.get(name) == number), None)
+        return next(((one, name, number) for one in every if number in one.numbers(name)), None)
 
-    def _named(self, name: str, number: int | None) -> tuple[TypeSource, str]:
-        """Return the source of the type that a name means, best with this fingerprint."""
-        problem = other = None
+    def _named(self, name: str) -> tuple[TypeSource, str]:
+        """Return the source of the type that a name means, and its full name."""
+        problem = None
         for sources in self._tiers():
             found = find(name, {one for source in sources for one in source.fingerprints}, "type")
             problem = _problem(found or full_name(name), sources)
@@ -212,44 +209,38 @@ class Registry:
             if problem:  # an installed package may have the missing type
                 having = [one for one in having if one not in self._fixed and one.files]
             if found and having:
-                same = (one for one in having if one.fingerprints[found] == number)
-                if (one := next(same, None)) or number is None:
-                    return one or having[0], found
-                other = other or (having[0], found)
-        if other:
-            return other
+                return having[0], found
         if problem:
             raise problem.error()
         raise UnknownType(f"unknown type '{name}'", self._type_hint(name))
 
     def _tiers(self) -> Iterator[list[TypeSource]]:
         """Yield the sources that are cheap to search; then more, for names not found in these."""
-        near = self._supply.near() if self._supply else None
-        yield (usual := [*(near.with_versions() if near else []), *self._fixed])
-        far = self._supply.far() if self._supply else None
-        yield (usual := [*usual, *(far.with_versions() if far else [])])
+        own = self._supply.workspace() if self._supply else None
+        yield (usual := [*([own] if own else []), *self._fixed])
+        installed = self._supply.installed() if self._supply else None
+        yield (usual := [*usual, *([installed] if installed else [])])
         if recorded := self._supply and self._supply.recorded():
-            yield [*usual, *(one for source in recorded for one in source.with_versions())]
+            yield [*usual, *recorded]
 
     def _all(self) -> list[TypeSource]:
         return list(self._tiers())[-1]
 
-    def _versions(self, name: str) -> dict[int, str]:
-        """Return the versions of a type by fingerprint, first the one that the name alone means."""
+    def versions(self, name: str) -> dict[int, str]:
+        """Return the files of a type's versions by fingerprint, that of the name alone first."""
         found: dict[int, str] = {}
         for sources in self._tiers():
             for one in sources:
-                if name in one.fingerprints:
-                    place = _OURS if one in self._fixed else one.files.get(name, "")
-                    found.setdefault(one.fingerprints[name], place)
+                for number, file in one.numbers(name).items():
+                    found.setdefault(number, _OURS if one in self._fixed else file)
             if found:
                 break
         return found
 
     def _version_number(self, name: str, version: str) -> int:
         """Return the fingerprint of a version of a type; UnknownType for none, or several."""
-        _, found = self._type(name, None)
-        known = self._versions(found)
+        _, found = self._named(name)
+        known = self.versions(found)
         parts = PurePath(version).parts
         meant = [n for n, file in known.items() if PurePath(file).parts[-len(parts) :] == parts]
         if version.startswith("0x"):
@@ -264,7 +255,7 @@ class Registry:
     def _warn_once(self, source: TypeSource, name: str) -> None:
         notes = []
         if name in source.notes:
-            others = [self.versioned(name, number) for number in list(self._versions(name))[1:]]
+            others = [self.versioned(name, number) for number in list(self.versions(name))[1:]]
             more = f"; the first is used, the other is {' or '.join(others)}" if others else ""
             notes.append(f"{source.notes[name]}{more}")
         file = None if name.startswith(STUDENTS) else source.files.get(name)
@@ -319,6 +310,11 @@ def _problem(name: str, sources: Sequence[TypeSource]) -> Problem | None:
             if problem.concerns(name):
                 return problem
     return None
+
+
+def _message_class(source: TypeSource, name: str, number: int) -> type[Message]:
+    key = name if source.fingerprints[name] == number else version_name(name, number)
+    return cast("type[Message]", _load(source.module, key))
 
 
 def _load(prefix: str, name: str) -> object:
@@ -391,6 +387,11 @@ def versioned(name: str, number: int) -> str:
     return default_registry().versioned(name, number)
 
 
+def versions(name: str) -> Mapping[int, str]:
+    """Return the files of a type's versions by fingerprint; see ``Registry.versions``."""
+    return default_registry().versions(name)
+
+
 def type_names() -> list[str]:
     """Return the names of all message types, sorted."""
     return default_registry().type_names()
@@ -438,14 +439,12 @@ def fingerprint(cls: type[Message]) -> int:
 
 @cache
 def _class_name(cls: type) -> str:
-    """Return a generated class's name: lcm-gen puts each class into its own module."""
-    if name := getattr(cls, "__lcm_name__", ""):  # one that Python cannot spell
+    """Return a class's name; lcm-gen puts each class into its own module."""
+    if name := getattr(cls, "__lcm_name__", ""):  # of a user's type
         return str(name)
     package = cls.__module__.rpartition(".")[0]
     if f"{package}.".startswith(_SHIPPED):
         package = package.removeprefix(_SHIPPED[:-1])[1:]
-    elif package.startswith(_USERS):
-        package = package.partition(".")[2]
     else:
         package = package.rpartition(".")[2]
     return f"{package}/{cls.__name__}" if package else cls.__name__

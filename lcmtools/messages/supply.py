@@ -10,10 +10,10 @@ if TYPE_CHECKING:  # imported at the first look-up
 class Supply(Protocol):
     """A user's own types, found on request; None if there are none."""
 
-    def near(self) -> "TypeSource | None":
+    def workspace(self) -> "TypeSource | None":
         """Types that take precedence over the shipped ones."""
 
-    def far(self) -> "TypeSource | None":
+    def installed(self) -> "TypeSource | None":
         """Types for names that are otherwise unknown."""
 
     def recorded_names(self, fingerprint: int) -> "Sequence[str]":

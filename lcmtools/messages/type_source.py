@@ -55,21 +55,32 @@ class Problem(NamedTuple):
 
 
 class TypeSource(NamedTuple):
-    """A place from which generated classes are imported; its tables are by types' full names."""
+    """A module from which classes are imported; its tables are by types' full names."""
 
-    prefix: str  # the module above the packages, as given to lcm-gen ("lcmtools.types")
-    fingerprints: Mapping[str, int]
+    module: str  # the one above the packages ("lcmtools.types")
+    fingerprints: Mapping[str, int]  # of several versions of a type, that of the first
     services: Sequence[str] = ()  # service pairs ("std_srvs/Trigger")
     files: Mapping[str, str] = MappingProxyType({})  # .lcm files, if known
     problems: Sequence[Problem] = ()  # types and files that cannot be used
     notes: Mapping[str, str] = MappingProxyType({})  # warnings: another file defines the type too
-    places: Sequence[str] = ()  # folders and files that define some of the types differently
-    versions: "Sequence[TypeSource]" = ()  # their types
+    versions: Mapping[str, Mapping[int, str]] = MappingProxyType({})  # files of others by number
     enums: Mapping[str, int] = MappingProxyType({})  # their hashes
 
-    def with_versions(self) -> "Sequence[TypeSource]":
-        """Return this source, and those of its types' other versions."""
-        return [self, *self.versions]
+    def numbers(self, name: str) -> dict[int, str]:
+        """Return the files of a type's versions by fingerprint, that of the name alone first."""
+        if name not in self.fingerprints:
+            return {}
+        return {self.fingerprints[name]: self.files.get(name, ""), **self.versions.get(name, {})}
+
+    def names(self, number: int) -> list[str]:
+        """Return the names of the types with a fingerprint."""
+        found = [name for name, known in self.fingerprints.items() if known == number]
+        return found + [name for name, others in self.versions.items() if number in others]
+
+
+def version_name(name: str, number: int) -> str:
+    """Return the name in a source's modules of a version that the name alone does not mean."""
+    return f"{name}__{number:016x}"
 
 
 def shown(path: str | Path) -> str:

@@ -5,7 +5,6 @@ announcements are not known here.
 """
 
 import time
-from collections import deque
 from collections.abc import Callable
 from functools import partial
 from typing import TypeVar
@@ -18,16 +17,17 @@ from lcmtools.node.logger import Logger
 from lcmtools.node.parameters import PARAMETERS_SUFFIX
 from lcmtools.node.service import Service
 from lcmtools.node.stopwatch import Stopwatch
-from lcmtools.node.subscription import Subscription
-from lcmtools.node.timer import Timer
+from lcmtools.node.subscription import Subscription, Waiting
+from lcmtools.node.timer import NEVER, Timer
 
 SourceT = TypeVar("SourceT")
 
 
-class Callbacks:
+class Callbacks(Waiting):
     """The callbacks of one node, run while ``go_on`` returns True; ``errors`` takes exceptions."""
 
     def __init__(self, logger: Logger, errors: CallbackErrors, go_on: Callable[[], bool]) -> None:
+        super().__init__()
         self.subscriptions: list[Subscription] = []
         self.services: list[Service[Message, Message]] = []
         self.timers: list[Timer] = []
@@ -35,13 +35,13 @@ class Callbacks:
         """The node's clock; timers use it only if it gives simulated time."""
         self.spinning_thread: int | None = None
         """The thread on which ``spin`` is running them; None if there is none."""
+        self.awaited: Timer | None = None
+        """The timer of a rate that a loop waits for."""
         self._timed = Stopwatch()
         self._logger = logger
         self._errors = errors
         self._go_on = go_on
         self._cleared = False
-        self.ready: deque[Callable[[], None]] = deque()
-        """The calls of callbacks that wait, in order of arrival."""
 
     def on_ready(self, run: Callable[[SourceT], None], source: SourceT) -> Callable[[], None]:
         """Return the function that a source calls whenever one more message or request waits."""
@@ -92,22 +92,38 @@ class Callbacks:
         waits = [wait for t in (*self.timers, *others) if (wait := t.remaining(now)) is not None]
         return min(waits, default=None)
 
+    def next_due(self) -> int:
+        """Return the simulated time at which the next timer is due [ns]; ``NEVER`` without one."""
+        if not isinstance(self.clock, ManualClock):
+            return NEVER
+        timers = (*self.timers, self.awaited) if self.awaited else self.timers
+        return min((timer.due() for timer in timers), default=NEVER)
+
     def deliver(self, subscription: Subscription) -> None:
         """Run the callback of the oldest waiting message."""
         payload = subscription.pop()
-        if payload is None:  # the subscription was destroyed meanwhile
-            return
-        with subscription.stopwatch:
+        if payload is not None:  # else the subscription was destroyed meanwhile
+            self.run(subscription, payload)
+
+    def run(self, subscription: Subscription, payload: bytes) -> None:
+        """Run a subscription's callback; meanwhile its thread does not wait for others."""
+        turn, watch = self.turn, subscription.stopwatch
+        thread, turn.thread = turn.thread, 0
+        watch.calls += 1  # as ``with watch``, without a call
+        watch.began.append(time.monotonic_ns())
+        try:
             try:
                 message = subscription.decode(payload)
             except DecodeError as error:
                 if subscription.is_warning_due(time.monotonic()):
                     self._logger.warning(f"{subscription.topic}: message ignored: {error}")
                 return
-            try:
-                subscription.callback(message)
-            except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
-                self._note(subscription.topic, error, subscription.callback)
+            subscription.callback(message)
+        except Exception as error:  # noqa: BLE001 - a node outlives its callbacks' faults
+            self._note(subscription.topic, error, subscription.callback)
+        finally:
+            watch.end()
+            turn.thread, turn.has_run = thread, True
 
     def answer(self, service: Service[Message, Message]) -> None:
         """Run the callback of the oldest waiting request."""

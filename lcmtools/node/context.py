@@ -9,10 +9,11 @@ import socket
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from threading import get_ident
 from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
-from lcmtools.bus.base import Bus
+from lcmtools.bus.base import Bus, runs_callbacks
 from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.listeners import PlainListeners
 from lcmtools.bus.network_watch import network_watch
@@ -26,13 +27,17 @@ from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
+from lcmtools.node.lockstep import join_lockstep
 from lcmtools.node.logger import Logger
+from lcmtools.node.subscription import Turn
+from lcmtools.node.unused_arguments import UsedNames
 from lcmtools.settings import usual_namespace
 
 _UNRECORDED = (
     "no folder takes this node's record: if it is killed, nobody learns of it; set XDG_RUNTIME_DIR"
     " to a folder of this user"
 )
+_LOOK_AGAIN = 0.005  # [s] between looks for work without an event to wait for
 _LONGEST_WAIT = 1.0
 """[s]. A Python signal handler cannot run during a wait if its signal came just before, or on
 another thread; it runs when the wait ends."""
@@ -40,6 +45,12 @@ another thread; it runs when the wait ends."""
 
 class Participant(Protocol):
     """A node, as far as its context knows it."""
+
+    name: str
+
+    @property
+    def callbacks(self) -> Callbacks:
+        """The callbacks that the spin functions run."""
 
     def describe(self) -> Node:
         """Return the announced description."""
@@ -74,11 +85,12 @@ class Context:
     ) -> None:
         self.default_namespace = resolve_namespace(usual_namespace(environment))
         self.bus, self.url = bus, url
+        self._runs_callbacks = runs_callbacks(bus)
         bus.on_outage = self._warn
         bus.on_received = self.wake
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
-        self.declared_parameters: set[str] = set()
+        self.used = UsedNames()
         self.notices: list[str] = []
         """Warnings about the command line, which the next node logs."""
         self.note = ""
@@ -94,14 +106,14 @@ class Context:
         self._participants: list[Participant] = []
         self.background_spins: list[Spin] = []
         self._stopping = False
-        self._closed = self.is_of_parent = False
-        self._is_shutdown_requested = False
-        self.is_ending = False
+        self._closed = self.is_of_parent = self._is_shutdown_requested = self.is_ending = False
         """True once the program knows that it should end; it may then take its time."""
         self.follower = GraphFollower(bus, url)
         self.announcer = Announcer(bus, self._describe)
         network_watch.tell(self._warn)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
+        # Not None while a recording is played to this program message by message.
+        self.lockstep = join_lockstep(bus, environment, self._all_callbacks)
 
     def ok(self) -> bool:
         """Return whether nodes should go on."""
@@ -133,20 +145,43 @@ class Context:
         or when ``is_over`` returns True after a ``wake``.
         """
         deadline = None if timeout is None else time.monotonic() + timeout
-        while not (self._stopping or (is_over and is_over())):
-            has_run = False
-            for one in callbacks:
-                if one.ready or one.timers:
-                    has_run = one.run_ready() or has_run
-            if has_run:
-                return
-            wait = None if deadline is None else deadline - time.monotonic()
-            if wait is not None and wait <= 0:
-                return
-            for one in callbacks:
-                if one.timers and (due := one.time_to_timer()) is not None:
-                    wait = due if wait is None else min(due, wait)
-            self._wait(wait)
+        self.run(callbacks, is_over, deadline=deadline, is_once=True)
+
+    def run(  # noqa: C901 - without calls: it is the path of each message
+        self,
+        callbacks: Sequence[Callbacks],
+        is_over: Callable[[], bool] | None = None,
+        *,
+        deadline: float | None = None,
+        is_once: bool = False,
+    ) -> None:
+        """Run callbacks until the program should end, or a time [s], or ``is_over`` returns True.
+
+        With ``is_once``, only until one or more have run.
+        """
+        before, turn = [one.turn for one in callbacks], Turn()
+        for one in callbacks:
+            one.turn = turn
+        try:
+            while not (self._stopping or (is_over and is_over())):
+                has_run = False
+                for one in callbacks:
+                    if one.ready or one.timers:
+                        has_run = one.run_ready() or has_run
+                if is_once and (has_run or turn.has_run):
+                    return
+                if has_run:
+                    continue
+                wait = None if deadline is None else deadline - time.monotonic()
+                if wait is not None and wait <= 0:
+                    return
+                for one in callbacks:
+                    if one.timers and (due := one.time_to_timer()) is not None:
+                        wait = due if wait is None else min(due, wait)
+                self._wait(wait, callbacks, turn)
+        finally:
+            for one, earlier in zip(callbacks, before, strict=True):
+                one.turn = earlier
 
     def add(self, participant: Participant) -> None:
         """Add a node: announce it, and record that it runs."""
@@ -169,19 +204,48 @@ class Context:
             if self._records:
                 self._records.remove(node.id)
 
+    def server(self, service: str, *threads: int | None) -> str:
+        """Return the node here that has a service and that one of these threads spins, else "".
+
+        None is no thread.
+        """
+        for node in tuple(self._participants):
+            services = [one.name for one in tuple(node.callbacks.services)]
+            if service in services and node.callbacks.spinning_thread in threads:
+                return node.name
+        return ""
+
     def is_first(self) -> bool:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""
         return not self._participants
 
-    def _wait(self, timeout: float | None) -> None:
-        """Wait for messages, or for ``timeout`` seconds; return early on any ``wake`` or stop."""
-        thread = threading.get_ident()
+    def _wait(self, timeout: float | None, callbacks: Sequence[Callbacks], turn: Turn) -> None:
+        """Wait for messages, or for ``timeout`` seconds; return early on any ``wake`` or stop.
+
+        None of the callbacks is ready.
+        """
+        if self.lockstep:
+            self.lockstep.answer(callbacks)
+        thread = get_ident()
         wakeup = self._wakeups.get(thread)
         if wakeup is None:
-            self._wakeups[thread] = WakeupEvent()
+            self._add_wakeup(thread)
             return  # a ``wake`` may have missed it: the caller looks for work first
         is_long = timeout is None or timeout > _LONGEST_WAIT
-        self.bus.wait(wakeup, _LONGEST_WAIT if is_long else timeout)
+        turn.thread = thread if self._runs_callbacks else 0
+        try:
+            self.bus.wait(wakeup, _LONGEST_WAIT if is_long else timeout)
+        finally:
+            turn.thread = 0
+
+    def _add_wakeup(self, thread: int) -> None:
+        try:
+            self._wakeups[thread] = WakeupEvent()
+        except OSError:  # the system gives no more descriptors
+            time.sleep(_LOOK_AGAIN)
+
+    def _all_callbacks(self) -> list[Callbacks]:
+        return [participant.callbacks for participant in tuple(self._participants)]
 
     def _pids_here(self) -> frozenset[int]:
         nodes = self.follower.graph().nodes

@@ -6,6 +6,7 @@ name, clock and parameters are not known here.
 
 import contextlib
 from collections.abc import Callable
+from functools import partial
 from typing import TypeVar
 
 from lcmtools import names
@@ -77,7 +78,11 @@ class Factory:
         Raises:
             InvalidName: The name breaks the naming rules.
         """
-        return self.__resolver.resolve(name)
+        resolver, used = self.__resolver, self.__context.used
+        full = resolver.expand(name)
+        used.topics[full] = name
+        used.remaps.update(one for one, _ in resolver.remaps if resolver.expand(one) == full)
+        return resolver.resolve(name)
 
     @checks.type_first
     @explained
@@ -167,6 +172,8 @@ class Factory:
         resolved = names.check_channel(topic) if plain_channel else self.resolve_name(topic)
         subscription = Subscription(types, resolved, callback, depth, group)  # type: ignore[arg-type]
         subscription.on_ready = self.__callbacks.on_ready(self.__callbacks.deliver, subscription)
+        subscription.callbacks = self.__callbacks
+        subscription.run = partial(self.__callbacks.run, subscription)
         is_large = any(map(has_byte_array, types))
         self.__receive(resolved, subscription.receive, is_large=is_large)
         bus = self.__context.bus
@@ -243,6 +250,8 @@ class Factory:
         client = Client(self.__context.bus, service_type, resolved)
         client.is_interrupted = lambda: not self.__context.ok()
         client.before_call = self.__before_call
+        client.on_spin = self.__callbacks.ready.append
+        client.server = partial(self.__context.server, resolved)
         self.__receive(reply_channel(resolved), client.receive)
         self.__clients.append(client)  # type: ignore[arg-type] # their message types differ
         return client

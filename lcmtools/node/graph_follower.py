@@ -11,7 +11,7 @@ import time
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.bus.base import Bus, refusal, start_thread
-from lcmtools.bus.channel_socket import ChannelSocket
+from lcmtools.bus.group_receiver import ChannelSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph.builder import MOST_NODES, GraphBuilder

@@ -21,6 +21,7 @@ from lcmtools.node.factory import Factory
 from lcmtools.node.logger import Logger
 from lcmtools.node.parameters import Parametric, service_name
 from lcmtools.node.process import current_context
+from lcmtools.node.unused_arguments import unused
 from lcmtools.types import lcmtools_msgs
 from lcmtools.types.rosgraph_msgs import Clock as ClockMessage
 from lcmtools.types.rosgraph_msgs import Log
@@ -78,7 +79,7 @@ class Node(Parametric, Factory):
         self.__lines = NodeLines()
         self.__errors = CallbackErrors(self.__logger, context.announcer.announce_soon)
         self.__callbacks = Callbacks(self.__logger, self.__errors, context.ok)
-        Parametric.__init__(self, self.name, arguments.parameters, context.declared_parameters)
+        Parametric.__init__(self, self.name, arguments.parameters, context.used.parameters)
         Factory.__init__(self, context, resolver, self.__callbacks, self.__logger, tool=tool)
         self.__rosout = None if tool else self.create_publisher(Log, "/rosout", 100)
         if self.__rosout:
@@ -116,19 +117,17 @@ class Node(Parametric, Factory):
         """The callbacks that the spin functions run."""
         return self.__callbacks
 
-    def warn_of_unknown_parameters(self) -> None:
-        """Log the command line's parameters that no node of this process declared: likely misspelt.
+    def warn_of_unused_arguments(self) -> None:
+        """Log what in the command line no node of this process has used: likely misspelt.
 
         Called when nodes first spin; also logs the context's note.
         """
         if self.__context.note:
             self.__logger.info(self.__context.note)
             self.__context.note = ""
-        declared = self.__context.declared_parameters
-        for name in self.__context.arguments.parameters.keys() - declared:
-            special = "did you mean __ns:= or __name:=?" if name in ("ns", "name") else ""
-            hint = names.did_you_mean(name, declared) or special
-            self.__logger.warning(f"there is no parameter '{name}'{f'; {hint}' if hint else ''}")
+        context, expand = self.__context, names.Resolver(self.namespace, self.name).expand
+        for line in unused(context.arguments, context.used, expand):
+            self.__logger.warning(line)
 
     def get_logger(self) -> Logger:
         """Return the node's log."""
@@ -192,9 +191,11 @@ class Node(Parametric, Factory):
 
     def __keep_time(self) -> None:
         about = "the time is that of /clock, not the computer's"
-        if not self.declare_parameter("use_sim_time", False, about, read_only=True).value:  # noqa: FBT003 - the default
+        lockstep = self.__context.lockstep
+        usual = lockstep is not None
+        if not self.declare_parameter("use_sim_time", usual, about, read_only=True).value:
             return
-        clock = ManualClock()
+        clock = ManualClock(lockstep.start if lockstep else 0)
         self.__callbacks.clock = self.__logger.clock = clock
 
         def set_clock(message: ClockMessage) -> None:

@@ -79,7 +79,8 @@ def init(
     if arguments.domain and source != "--domain":
         notice = f"--domain {arguments.domain} has no effect: {source} takes precedence"
         _process.context.notices.append(notice)
-    for word in filter(looks_special, rest[: rest.index("--")] if "--" in rest else rest):
+    _process.context.used.words = rest[: rest.index("--")] if "--" in rest else rest
+    for word in filter(looks_special, _process.context.used.words):
         hint = misspelt(words, word) or "write from:=to without spaces"
         _process.context.notices.append(f"'{word}' names nothing; {hint}")
     if handle_signals and threading.current_thread() is threading.main_thread():

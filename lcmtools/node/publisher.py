@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from typing import Generic, TypeVar
 
-from lcmtools.bus.base import Bus
+from lcmtools.bus.base import Bus, shortcut
 from lcmtools.errors import BusError, BusOfParent, UsageError, ValueMismatch, explained
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import PayloadEncoder
@@ -40,6 +40,7 @@ class PayloadPublisher:
         self._bus = bus
         self.on_failure: Callable[[BusError], None] | None = None
         """Called when a message cannot be sent; None to have ``publish`` raise instead."""
+        self._send = shortcut(bus, topic)
         self._graph = graph
         self._type_name, self._fingerprint = kind
         self._messages = 0
@@ -59,9 +60,7 @@ class PayloadPublisher:
                 raise
             self.on_failure(error)
             return
-        self._messages += 1  # as ``count``, without another call
-        self._bytes += len(payload)
-        self._last_time = time.time_ns()
+        self.count(payload, time.time_ns())
 
     def count(self, payload: bytes, now: int) -> None:
         """Count a message that was sent at this time, for the announced description."""
@@ -154,4 +153,13 @@ class Publisher(PayloadPublisher, Generic[MessageT]):
         except ValueMismatch as error:
             what = error.what.removeprefix(f"{self._type_name}: ")
             raise ValueMismatch(f"{self.topic}: {self._type_name}: {what}", error.hint) from None
-        self.publish_payload(payload)
+        try:
+            is_sent = self._send(payload)
+        except OSError:
+            is_sent = False
+        if is_sent:  # as ``publish_payload``, without another call
+            self._messages += 1
+            self._bytes += len(payload)
+            self._last_time = time.time_ns()
+        else:
+            self.publish_payload(payload)

@@ -36,9 +36,11 @@ class Rate:
         if callbacks.spinning_thread == threading.get_ident():
             hint = "let create_timer call it periodically, or loop without spin"
             raise UsageError("rate.sleep() in a callback keeps all others waiting", hint)
+        callbacks.awaited = self._timer
         while context.ok() and not self._timer.is_due(callbacks.time()):
             if callbacks.spinning_thread is None:
                 context.run_once((callbacks,), callbacks.time_to_timer(self._timer))
             else:
                 time.sleep(_POLL_PERIOD)
+        callbacks.awaited = None
         self._timer.advance(callbacks.time())

@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+import time
 from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.base import refusal, start_thread
@@ -9,6 +10,7 @@ from lcmtools.errors import BusError, UsageError, explained
 from lcmtools.node import checks
 from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.context import Context
+from lcmtools.node.future import Future
 from lcmtools.node.node import Node
 
 _LONGEST_CALLBACK = 2.0  # [s] that ``stop`` waits for
@@ -64,8 +66,7 @@ class BackgroundSpin:
         try:
             with _spinning(callbacks):
                 self._has_started.set()
-                while self._context.ok() and not self._is_over():
-                    self._context.run_once(callbacks, None, self._is_over)
+                self._context.run(callbacks, self._is_over)
         finally:
             self._context.background_spins.remove(self)
 
@@ -84,11 +85,10 @@ def spin(*nodes: Node) -> None:
     context = _check_nodes("spin", nodes)
     if context.ok():
         _check_are_idle("spin", nodes)
-    nodes[0].warn_of_unknown_parameters()
+    nodes[0].warn_of_unused_arguments()
     callbacks = [node.callbacks for node in nodes]
     with _spinning(callbacks), contextlib.suppress(KeyboardInterrupt):
-        while context.ok():
-            context.run_once(callbacks, None)
+        context.run(callbacks)
     context.is_ending = not context.ok()
 
 
@@ -109,7 +109,7 @@ def spin_in_background(*nodes: Node) -> BackgroundSpin:
         if isinstance(running, BackgroundSpin) and running.nodes == nodes and running.is_running():
             return running
     _check_are_idle("spin_in_background", nodes)
-    nodes[0].warn_of_unknown_parameters()
+    nodes[0].warn_of_unused_arguments()
     return BackgroundSpin(nodes)
 
 
@@ -165,6 +165,27 @@ def spin_once(node: Node, timeout: float | None = 0.0) -> None:
     _check_node("spin_once", node)
     context = node.context
     if timeout == 0 and context.ok():  # a simulator does this in each of its steps
-        node.callbacks.run_ready()
+        if not node.callbacks.run_ready() and context.lockstep:
+            context.lockstep.answer((node.callbacks,))
     else:
         context.run_once((node.callbacks,), timeout)
+
+
+@explained
+def spin_until_future_complete(
+    node: Node, future: Future[object], timeout: float | None = None
+) -> None:
+    """Run the node's callbacks until a future is done, for ``timeout`` seconds at most.
+
+    Returns also when the program should end; ``future.done()`` tells.
+    """
+    _check_node("spin_until_future_complete", node)
+    if not isinstance(future, Future):
+        what = f"spin_until_future_complete needs a future, got {checks.described(future)}"
+        raise UsageError(what, "write future = client.call_async(request)")
+    deadline = None if timeout is None else time.monotonic() + timeout
+    while node.context.ok() and not future.done():
+        left = None if deadline is None else deadline - time.monotonic()
+        if left is not None and left <= 0:
+            return
+        node.context.run_once((node.callbacks,), left, future.done)

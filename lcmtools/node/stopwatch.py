@@ -15,19 +15,24 @@ class Stopwatch:
         """The number of calls that have begun."""
         self._busy = 0
         self._longest = 0
-        self._began: list[int] = []
+        self.began: list[int] = []
+        """The times at which the running calls began [ns]."""
 
     def __enter__(self) -> None:
         """Begin a call."""
         self.calls += 1
-        self._began.append(time.monotonic_ns())
+        self.began.append(time.monotonic_ns())
 
     def __exit__(self, *_: object) -> None:
         """End a call, even if it failed."""
-        took = time.monotonic_ns() - self._began.pop()
+        self.end()
+
+    def end(self) -> None:
+        """End a call."""
+        took = time.monotonic_ns() - self.began.pop()
         if took > self._longest:  # noqa: PLR1730 - half the time of ``max``
             self._longest = took
-        if not self._began:
+        if not self.began:
             self._busy += took
 
     def busy(self) -> int:
@@ -40,5 +45,5 @@ class Stopwatch:
         return max(self._longest, self._running())
 
     def _running(self) -> int:
-        began = self._began[:1]  # in one step: the other thread may end the call
+        began = self.began[:1]  # in one step: the other thread may end the call
         return time.monotonic_ns() - began[0] if began else 0

@@ -1,8 +1,10 @@
 """Subscriptions: a queue that keeps the newest messages, and a callback."""
 
 import threading
+import time as clock
 from collections import deque
 from collections.abc import Callable
+from threading import get_ident
 from typing import NamedTuple
 
 from lcmtools.graph.model import Endpoint, Role
@@ -10,6 +12,9 @@ from lcmtools.messages.codec import PayloadDecoder
 from lcmtools.messages.registry import Message, fingerprint, type_name
 from lcmtools.node.stopwatch import Stopwatch
 
+_LATE = (
+    1_000_000  # [ns]: a message that has waited longer is one of many, of which the newest count
+)
 _WARNING_PERIOD = 5.0  # [s] between two warnings about messages that cannot be read
 
 
@@ -25,6 +30,33 @@ class Losses(NamedTuple):
     # Datagrams that full receive buffers of this process have lost, at most, on any of its topics:
     # the kernel counts them together with those that its filters drop meanwhile.
     overflows: int
+
+
+class Turn:
+    """A thread's wait for messages: while it lasts, callbacks may run where messages are received.
+
+    Attributes:
+        thread: The thread that waits; 0 while callbacks run.
+        has_run: True if a callback has run since it was cleared.
+    """
+
+    __slots__ = ("has_run", "thread")
+
+    def __init__(self) -> None:
+        self.thread, self.has_run = 0, False
+
+
+class Waiting:
+    """The callbacks of a node that wait.
+
+    Attributes:
+        ready: Their calls, in order of arrival.
+        turn: The wait of the thread that runs them.
+    """
+
+    def __init__(self) -> None:
+        self.ready: deque[Callable[[], None]] = deque()
+        self.turn = Turn()
 
 
 class Subscription:
@@ -59,6 +91,10 @@ class Subscription:
         self.stopwatch = Stopwatch()
         self.callback = callback
         self.on_ready: Callable[[], None] = lambda: None
+        self.run: Callable[[bytes], object] = lambda _: None
+        """Runs the callback for a payload."""
+        self.callbacks = Waiting()
+        """The callbacks that wait with this one."""
         self.decode = PayloadDecoder(message_types).decode
         self._lock = threading.Lock()
         self._queue: deque[bytes] = deque(maxlen=self.depth)
@@ -75,18 +111,30 @@ class Subscription:
         return Losses(self.drops, *self.lost_by_bus())
 
     def receive(self, payload: bytes, time: int) -> None:
-        """Queue one message; called on the receiving thread."""
+        """Run the callback at once, if its thread waits for it; else queue the message.
+
+        Called on the receiving thread. A message that others wait before, or that has waited in the
+        kernel, is queued: the callback may be too slow for all of them.
+        """
         with self._lock:
             if self._closed:
                 return
-            if len(self._queue) < self.depth:
-                self.on_ready()
-            else:  # ``on_ready`` was called for the message that the new one displaces
-                self.drops += 1
-            self._queue.append(payload)
+            is_awaited = (
+                self.callbacks.turn.thread == get_ident()
+                and not self.callbacks.ready
+                and clock.time_ns() - time < _LATE
+            )
+            if not is_awaited:
+                if len(self._queue) < self.depth:
+                    self.on_ready()
+                else:  # ``on_ready`` was called for the message that the new one displaces
+                    self.drops += 1
+                self._queue.append(payload)
             self._messages += 1
             self._bytes += len(payload)
             self._last_time = time
+        if is_awaited:
+            self.run(payload)
 
     def pop(self) -> bytes | None:
         """Return the oldest waiting payload; None if there is none."""

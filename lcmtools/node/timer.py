@@ -4,6 +4,9 @@ from collections.abc import Callable
 
 from lcmtools.clock import NANOSECONDS
 
+NEVER = (1 << 63) - 1
+"""The time of a call that does not come."""
+
 
 class Timer:
     """Calls a function at a fixed rate. Made by ``Node.create_timer``.
@@ -45,6 +48,10 @@ class Timer:
         """Schedule the next call, and skip periods that have passed."""
         missed = (now - self._next) // self.period
         self._next += (missed + 1) * self.period
+
+    def due(self) -> int:
+        """Return the time of the next call [ns]; ``NEVER`` if it is cancelled."""
+        return NEVER if self._cancelled else self._next
 
     def remaining(self, now: int) -> float | None:
         """Return the time until the next call [s]; None if it is cancelled."""

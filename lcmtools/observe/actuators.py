@@ -5,7 +5,13 @@ A command is recognized by its type (a velocity, an effort, a trajectory) or by 
 """
 
 import re
+from collections.abc import Iterator
 
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.names import namespace_of
+
+JOINTS = "sensor_msgs/JointState"
+_ODOMETRY = "nav_msgs/Odometry"
 VELOCITY_TYPES = frozenset(
     f"geometry_msgs/{name}{suffix}"
     for name in ("Twist", "Accel", "Wrench")
@@ -28,3 +34,18 @@ def is_command_topic(topic: str, type_name: str) -> bool:
     """Return whether a topic's type or name says that its messages are commands."""
     words = _SPLIT.split(topic.rpartition("/")[2])
     return type_name in _COMMAND_TYPES or any(map(_WORDS.fullmatch, words))
+
+
+def unattended_commands(graph: Graph) -> Iterator[tuple[Node, Endpoint, str]]:
+    """Yield robots whose last velocity or effort came from a node or program that has ended.
+
+    Each with the subscription that it came on, and the topic of the robot's odometry.
+    """
+    for node in (one for one in graph.nodes if not (one.stale or one.tool)):
+        for odometry in (one for one in node.having(Role.PUBLISHER) if one.type == _ODOMETRY):
+            space = namespace_of(odometry.topic)
+            ends = [one for one in node.having(Role.SUBSCRIBER) if namespace_of(one.topic) == space]
+            heard = [one for one in ends if one.messages and one.type in {JOINTS, *VELOCITY_TYPES}]
+            last = max(heard, key=lambda one: one.last_time, default=None)
+            if last and all(one.stale for one, _ in graph.topic(last.topic).publishers):
+                yield node, last, odometry.topic

@@ -189,16 +189,14 @@ class MessageFormatter:
         paths = self._paths_behind(found.path)
         is_all = paths == (Path(),) and not self._options.condition
         if is_all and self._options.form == "json":
-            return self._raw_record(packet, error=str(reason))
-        is_unknown = isinstance(reason, UnknownFingerprint)
+            return self._raw_record(packet, error=reason.what)
+        is_new = isinstance(reason, UnknownFingerprint) and not self._notified
+        remedy = (reason.hint or remedy_of_unknown()) if is_new else ""
         if is_all and self._options.form in ("text", "flow"):
-            if is_unknown and not self._notified:
-                what = f"no type is known for {channel}; {remedy_of_unknown()}"
-                self._notify_once("unknown", what)
-            return self._headed(found, f"{_raw_text(packet, str(reason))}\n---")
-        what = (
-            f"{reason}; {remedy_of_unknown()}" if is_unknown and not self._notified else str(reason)
-        )
+            if is_new:
+                self._notify_once("unknown", f"no type is known for {channel}; {remedy}")
+            return self._headed(found, f"{_raw_text(packet, reason.what)}\n---")
+        what = f"{reason.what}; {remedy}" if is_new else reason.what
         self._notify_once(f"raw {channel}", f"a message on {channel} has no known fields: {what}")
         return None
 

@@ -33,13 +33,29 @@ def _nonce() -> int:
 
 
 def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
-    """Return the round trip time of a request to a node [s]; it is repeated if no answer comes.
+    """Return the round trip time of a request to a node [s]; NothingReceived if it is silent."""
+    return next(pings(monitor, node, timeout))[1]
 
-    A node may answer several requests at once, and repeats the number of the latest: an answer to
-    somebody's later request counts.
+
+def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[tuple[Node, float]]:
+    """Yield the node and the round trip time of a request to it [s], once a second without end.
+
+    If it has ended and is started anew, its next run is the node from then on.
 
     Raises:
         NothingReceived: The node did not answer in time, or has ended.
+    """
+    while True:
+        node, seconds = _answered(monitor, node, timeout)
+        yield node, seconds
+        time.sleep(_PING_PERIOD)
+
+
+def _answered(monitor: BusMonitor, node: Node, timeout: float) -> tuple[Node, float]:
+    """Return the node that answers a request, and the time that this took [s].
+
+    The request is repeated if no answer comes. A node may answer several requests at once, and
+    repeats the number of the latest: an answer to somebody's later request counts.
     """
     if node.stale is Staleness.ENDED:
         raise NothingReceived(f"{node.name} {node.stale}", "lcmtools node cleanup forgets it")
@@ -55,19 +71,22 @@ def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
             if (other := _nonce_for(node, packet)) and other not in begun:
                 begun[other] = requested
             answer = _announcement(packet)
-            if answer and answer.answers in begun and answer.node.id == node.id:
-                return time.monotonic() - begun[answer.answers]
+            if answer and answer.answers in begun and _is_still(node, answer.node, monitor):
+                return answer.node, time.monotonic() - begun[answer.answers]
     raise NothingReceived(
         f"{node.name} did not answer within {timeout:g} s",
         f"its process is {node.pid} on {host_text(node)}; lcmtools wtf shows more",
     )
 
 
-def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[float]:
-    """Yield the round trip time of one request per second, without end; see ``ping``."""
-    while True:
-        yield ping(monitor, node, timeout)
-        time.sleep(_PING_PERIOD)
+def _is_still(node: Node, other: Node, monitor: BusMonitor) -> bool:
+    """Return whether another announcement is of a node, or of its next run."""
+    is_next = other.name == node.name and other.start_time > node.start_time
+    return other.id == node.id or (is_next and _has_ended(node, monitor.graph()))
+
+
+def _has_ended(node: Node, graph: Graph) -> bool:
+    return is_gone(node) or all(one.id != node.id or bool(one.stale) for one in graph.nodes)
 
 
 @dataclass(slots=True)

@@ -1,7 +1,7 @@
 """Users' own packages: finding them and their nodes, and importing their message types.
 
-Belongs here: folders with a pyproject.toml or .lcm files, lcm-gen, the cache of its output, and the
-text of a new package. Must not know the bus, the content of messages, or printing. The environment
+Belongs here: folders with a pyproject.toml or .lcm files, the types in these, lcm-gen, and the text
+of a new package. Must not know the bus, the content of messages, or printing. The environment
 comes in as an argument.
 """
 

@@ -5,6 +5,8 @@ know the command line.
 """
 
 import contextlib
+import fcntl
+import hashlib
 import os
 import re
 import shutil
@@ -16,6 +18,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
+from lcmtools.folders import cache_folder
 from lcmtools.messages.registry import packages
 from lcmtools.packages.cpp import cpp_folder, find_liblcm
 from lcmtools.packages.cpp_nodes import (
@@ -32,6 +35,7 @@ from lcmtools.packages.runnable_nodes import Runnable
 
 _NEEDED = {"cmake": "cmake", "c++": "g++", "make": "make"}
 """The programs that building needs, and the packages of Debian and Ubuntu that have them."""
+_OF = "source"  # the file with the path of the source that a folder of the cache is of
 _ERRORS = (
     re.compile(r"CMake Error at (?:.*/)?([^/\n]+:\d+).*\n\s*(\S.*)"),
     re.compile(r"([^/\n]+:\d+):\d+: (?:fatal )?error: (.*)"),
@@ -59,8 +63,9 @@ def build_cpp(folder: Path) -> None:
 def built_source(source: Path) -> Iterator[Path]:
     """Build the node of a source, and nothing else; yield its program. Nothing is printed.
 
-    It is built in the package whose CMakeLists.txt declares it. If there is none, the program and
-    its package are temporary, with the source's parts and the types that these include.
+    It is built in the package whose CMakeLists.txt declares it. If there is none, its package is in
+    the user's cache, with the source's parts and the types that these include: the next time, only
+    what has changed is compiled. While another process builds it, this one waits.
 
     Raises:
         MissingExtra: There is no CMake, no compiler, or no liblcm.
@@ -72,13 +77,41 @@ def built_source(source: Path) -> Iterator[Path]:
             _build(folder, source.name, node)
             yield built_program(Runnable(folder.name, node, "", folder))
             return
-    with tempfile.TemporaryDirectory(prefix="lcmtools-cpp-") as own:
+    with _folder_for(source) as own:
         parts = parts_of(source)
         types = included("\n".join(map(source_text, parts)), packages()) or ["std_msgs"]
         entry = cmake_entry("program", " ".join(f'"{one}"' for one in parts), types)
-        Path(own, PROJECT).write_text(cmake_text("program") + entry, "utf-8")
-        _build(Path(own), source.name, "program")
-        yield Path(own, "build", "program").rename(Path(own, source.stem))
+        text = cmake_text("program") + entry
+        if source_text(own / PROJECT) != text:
+            (own / PROJECT).write_text(text, "utf-8")
+        with (own / _OF).open() as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            _build(own, source.name, "program")
+            program = own / source.stem  # the name that the process has
+            program.unlink(missing_ok=True)
+            program.hardlink_to(own / "build" / "program")
+        yield program
+
+
+@contextlib.contextmanager
+def _folder_for(source: Path) -> Iterator[Path]:
+    """Yield a source's folder in the cache; a temporary one if the cache cannot be written."""
+    key = hashlib.sha256(os.fsencode(f"{source} {sys.prefix}")).hexdigest()[:20]
+    with contextlib.ExitStack() as owned:
+        try:
+            folder = (cache_folder(os.environ) or Path(os.devnull)) / "cpp" / key
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / _OF).write_text(str(source))
+        except OSError:
+            made = tempfile.TemporaryDirectory(prefix="lcmtools-cpp-")
+            folder = Path(owned.enter_context(made), key)
+            folder.mkdir()
+            (folder / _OF).write_text(str(source))
+        for other in folder.parent.iterdir():
+            with contextlib.suppress(OSError):  # another process makes or removes it
+                if not Path((other / _OF).read_text()).is_file():
+                    shutil.rmtree(other)
+        yield folder
 
 
 def _build(folder: Path, name: str, node: str = "") -> None:

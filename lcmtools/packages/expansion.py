@@ -27,19 +27,22 @@ class _Size(NamedTuple):
 
 
 class Expansion:
-    """Counts fields; ``parts`` has for each type the types of its fields, "" for primitive ones."""
+    """Counts fields: ``counts`` has those of each type, ``parts`` the types of those that have any.
 
-    def __init__(self, parts: Mapping[str, Sequence[str]]) -> None:
-        self._parts = parts
-        self._known = {"": _Size(0, 0)}
+    A type is its place in a set.
+    """
+
+    def __init__(self, parts: Mapping[int, Sequence[int]], counts: Mapping[int, int]) -> None:
+        self._parts, self._counts = parts, counts
+        self._known: dict[int, _Size] = {}
         self._visits = 0
 
-    def fields(self, name: str) -> int:
+    def fields(self, name: int) -> int:
         """Return the number of a type's fields and of theirs; TooManyFields if it is too large."""
         self._visits = 0
         return self._size(name, ()).fields
 
-    def _size(self, name: str, above: tuple[str, ...]) -> _Size:
+    def _size(self, name: int, above: tuple[int, ...]) -> _Size:
         if name in above:
             return _Size(0, 0, is_fixed=False)
         if (found := self._known.get(name)) is None:
@@ -50,17 +53,22 @@ class Expansion:
             self._known[name] = found
         return found
 
-    def _sum(self, name: str, above: tuple[str, ...]) -> _Size:
+    def _sum(self, name: int, above: tuple[int, ...]) -> _Size:
         self._visits += 1
-        total, depth, is_fixed = 0, 0, True
-        for part in self._parts.get(name, ()):
+        total, depth, is_fixed = self._counts.get(name, 0), 0, True
+        parts = self._parts.get(name, ())
+        if total > MOST_FIELDS:
+            raise _too_many()
+        for part in parts:
             if len(above) > DEEPEST:
                 raise TooManyFields(f"contains types more than {DEEPEST} levels deep")
             one = self._size(part, above)
-            total, depth = total + 1 + one.fields, max(depth, one.depth)
+            total, depth = total + one.fields, max(depth, one.depth)
             is_fixed = is_fixed and one.is_fixed
             if total > MOST_FIELDS or self._visits > _MOST_VISITS:
-                raise TooManyFields(
-                    f"has more than {MOST_FIELDS} fields, with those of their types"
-                )
+                raise _too_many()
         return _Size(total, depth + 1, is_fixed)
+
+
+def _too_many() -> TooManyFields:
+    return TooManyFields(f"has more than {MOST_FIELDS} fields, with those of their types")

@@ -8,12 +8,14 @@ import re
 from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from itertools import pairwise
+from keyword import kwlist
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
 from lcmtools.packages.cpp_enums import enum_header
+from lcmtools.packages.lcm_parser import without_comments
 from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
 
@@ -28,17 +30,30 @@ LANGUAGES = tuple(_OPTIONS)
 _FUNCTION = re.compile(r"(?:(?<=fp->v == )|(?<== \{ p, ))(\w+::getHash)")
 _CAST = r"reinterpret_cast<decltype(__lcm_hash_ptr::v)>(\1)"  # v is a void* in liblcm 1.3.1
 
-_CPP_KEYWORDS = """
-    alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
-    constexpr const_cast continue decltype default delete do double dynamic_cast else enum explicit
-    export extern false float for friend goto if inline int long mutable namespace new noexcept not
-    not_eq nullptr operator or or_eq private protected public register reinterpret_cast return short
-    signed sizeof static static_assert static_cast struct switch template this thread_local throw
-    true try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor
+_C = """
+    auto break case char continue default do else extern for goto if inline int long register
+    restrict return short signed sizeof static switch typedef union unsigned void volatile while
+"""
+_CPP = f"""
+    {_C} alignas alignof and and_eq asm bitand bitor bool catch class compl constexpr const_cast
+    decltype delete dynamic_cast explicit export false friend mutable namespace new noexcept not
+    not_eq nullptr operator or or_eq private protected public reinterpret_cast static_assert
+    static_cast template this thread_local throw true try typeid typename using virtual wchar_t xor
     xor_eq
 """
-_CPP_KEYWORD = re.compile(rf"this->({'|'.join(_CPP_KEYWORDS.split())})\b")
-"""A field in lcm-gen's C++ that no compiler takes."""
+_JAVA = """
+    abstract assert break case catch char class continue default do else extends false final finally
+    for goto if implements import instanceof int interface long native new null private protected
+    public return short static strictfp super switch synchronized this throw throws transient true
+    try void volatile while
+"""
+_KEYWORDS = {
+    "c": ("C", _C.split()),
+    "cpp": ("C++", _CPP.replace("restrict", "").split()),
+    "java": ("Java", _JAVA.split()),
+    "python": ("Python", kwlist),
+}
+"""The words that no compiler takes as a name, without those of .lcm files themselves."""
 
 _ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
 _LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
@@ -104,7 +119,8 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
     every liblcm from 1.3.1 on.
 
     Raises:
-        InvalidFile: lcm-gen refuses a file; then nothing is written.
+        InvalidFile: lcm-gen refuses a file, or a name in it is a keyword of the language; then
+            nothing is written.
         LcmtoolsError: The folder cannot be written.
         MissingExtra: There is no lcm-gen.
     """
@@ -119,6 +135,7 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
                 if is_ros := file.suffix in SUFFIXES:
                     translated.write_text(to_lcm(file, file.read_bytes(), package_of(file)).text)
                 problem = run_lcm_gen([translated if is_ros else file], options)
+                problem = problem or _keyword(file, translated if is_ros else file, language)
                 if problem:
                     raise problem.error()
                 if language == "cpp" and b"enum" in file.read_bytes():
@@ -131,6 +148,17 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
         where = error.filename or folder
         raise LcmtoolsError(f"cannot write {where}: {error.strerror}") from error
     return [folder / path for path in made]
+
+
+def _keyword(file: Path, lcm: Path, language: str) -> Problem | None:
+    """Return the first keyword of a language among the names in a file, whose text is ``lcm``."""
+    name, words = _KEYWORDS[language]
+    pattern = re.compile(rf"\b({'|'.join(words)})\b")
+    text = without_comments(lcm.read_bytes().decode("utf-8", "replace"))
+    if not (found := pattern.search(text)):
+        return None
+    line = text.count("\n", 0, found.start()) + 1
+    return Problem(str(file), line, f"'{found[0]}' is a keyword of {name}", "use another name")
 
 
 def _write_enums(file: Path, root: Path, folder: Path) -> None:
@@ -146,16 +174,21 @@ def _write_enums(file: Path, root: Path, folder: Path) -> None:
 def _copy(source: Path, target: Path) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     if source.name == "__init__.py" and target.exists():
-        write_whole(target, _joined(source, target))
+        _write(target, _joined(source, target))
     elif source.suffix == ".py":
-        write_whole(target, as_portable_values(source.read_text("utf-8")))
+        _write(target, as_portable_values(source.read_text("utf-8")))
     elif source.suffix == ".hpp":
         text = source.read_text("utf-8")
-        if word := _CPP_KEYWORD.search(text):  # only programs that include it are concerned
-            text = f"#error the field '{word[1]}' is a keyword of C++: give it another name\n"
-        write_whole(target, _FUNCTION.sub(_CAST, text))
+        _write(target, _FUNCTION.sub(_CAST, text))
     else:
-        write_whole(target, source.read_bytes())
+        _write(target, source.read_bytes())
+
+
+def _write(target: Path, content: str | bytes) -> None:
+    """Write a file; one that has this content keeps its time, so that nothing is compiled again."""
+    new = content.encode() if isinstance(content, str) else content
+    if not target.is_file() or target.read_bytes() != new:
+        write_whole(target, new)
 
 
 def _problem(files: Sequence[Path], output: str) -> Problem:

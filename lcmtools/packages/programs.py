@@ -8,6 +8,7 @@ import re
 import shlex
 import shutil
 import sys
+import sysconfig
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -16,9 +17,10 @@ from lcmtools.messages.type_source import shown
 from lcmtools.names import did_you_mean
 from lcmtools.packages.cpp_nodes import PROJECT, cpp_sources
 from lcmtools.packages.ros_packages import ros_packages
-from lcmtools.packages.runnable_nodes import Runnable
+from lcmtools.packages.runnable_nodes import OWN, Runnable
 from lcmtools.packages.workspace import workspace
 
+RUN = (OWN, "run")
 _MOST_FILES = 10_000
 """The most files of a package that are searched: it may be a home folder."""
 _BUILT = {"build", "dist"}
@@ -156,3 +158,14 @@ def _typed(path: Path) -> str:
 
 def _is_program(path: Path) -> bool:
     return path.is_file() and os.access(path, os.X_OK)
+
+
+def startable(command: Sequence[str]) -> list[str]:
+    """Return a command line as it is started here: ``lcmtools`` means the running one."""
+    words = list(command)
+    place = next((i for i in range(len(words)) if tuple(words[i : i + 2]) == RUN), None)
+    if place is None:
+        return words
+    own = Path(sysconfig.get_path("scripts")) / OWN
+    words[place : place + 1] = [str(own)] if own.is_file() else [sys.executable, "-m", OWN]
+    return words

@@ -1,8 +1,7 @@
 """lcm-gen's Python code, with keyword arguments and a base for its classes.
 
-Belongs here: the step between lcm-gen and the classes that are imported, for lcmtools' types and
-for users'. It changes text only, and must not know which types exist. For a geometry_msgs/Pose2D
-with a stamp it writes
+Belongs here: the step after lcm-gen, for lcmtools' types and for ``msg generate``. It changes text
+only, and must not know which types exist. For a geometry_msgs/Pose2D with a stamp it writes
 
     def __init__(self, x=0.0, y=0.0, theta=0.0, stamp=None):
         self.x = x
@@ -37,9 +36,9 @@ except ImportError:  # where lcmtools is not installed
 """
 
 
-def as_values(python: str, base: str = _BASE) -> str:
-    """Return a module of lcm-gen with its class derived from ``base``, a full name."""
-    return _derived(python, f"import {base.rpartition('.')[0]}\n", base)
+def as_values(python: str) -> str:
+    """Return a module of lcm-gen with its class derived from MessageValue."""
+    return _derived(python, f"import {_BASE.rpartition('.')[0]}\n", _BASE)
 
 
 def as_portable_values(python: str) -> str:

@@ -4,6 +4,7 @@ Belongs here: finding and reading them. Must not know their content.
 """
 
 import os
+import stat
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,9 +28,14 @@ _BUILT = {"build", "dist"}
 class LcmFile(NamedTuple):
     """A file as it was read, with its full path."""
 
-    path: Path
+    where: str
     content: bytes
     package: str = ""  # of a ROS file, which does not name it
+
+    @property
+    def path(self) -> Path:
+        """Its path; not stored, as making thousands takes as long as reading the files."""
+        return Path(self.where)
 
 
 def variable_folders(environment: Mapping[str, str]) -> list[Path]:
@@ -77,22 +83,22 @@ def is_type_file(path: Path) -> bool:
 
 def read_folders(folders: Sequence[Path]) -> tuple[list[LcmFile], list[Problem]]:
     """Return the type files below folders, each once, sorted by folder, and the problems."""
-    files: dict[Path, LcmFile] = {}
+    files: dict[str, LcmFile] = {}
     problems: list[Problem] = []
     for folder in dict.fromkeys(folders):
         if not folder.is_dir():
             problems.append(Problem(str(folder), 0, "there is no such folder", f"see {VARIABLE}"))
             continue
-        for path in _paths(folder):
+        for path in _paths(str(folder)):
             one = path if isinstance(path, Problem) else files.get(path) or _read(path)
             if isinstance(one, LcmFile):
-                files[one.path] = one
+                files[one.where] = one
             elif one not in problems:
                 problems.append(one)
     return list(files.values()), problems
 
 
-def _paths(folder: Path) -> Iterator[Path | Problem]:
+def _paths(folder: str) -> Iterator[str | Problem]:
     """Yield the type files below a folder; if it is very large, only the first ones, and why.
 
     Folders called build and dist come last: they usually have copies of files, maybe old ones.
@@ -102,30 +108,39 @@ def _paths(folder: Path) -> Iterator[Path | Problem]:
     for count, (root, place, folders, names) in enumerate(places):
         if count >= _MOST_FOLDERS:
             what = f"it has more than {_MOST_FOLDERS} folders, and the others are not searched"
-            yield Problem(str(root), 0, what, f"name those with type files in {VARIABLE}")
+            yield Problem(root, 0, what, f"name those with type files in {VARIABLE}")
             return
-        roots += [Path(place, one) for one in sorted(_BUILT & set(folders))]
+        roots += [f"{place}/{one}" for one in sorted(_BUILT & set(folders))]
         others = _BUILT | _OTHER_FOLDERS
         folders[:] = sorted(one for one in folders if one[0] != "." and one not in others)
-        for path in (Path(place, name) for name in sorted(names) if name.endswith(_SUFFIXES)):
-            if root == folder or path.parts[-2:] not in known:
-                known.add(path.parts[-2:])
-                yield path
+        for name in sorted(one for one in names if one.endswith(_SUFFIXES)):
+            end = place.rpartition("/")[2], name
+            if root == folder or end not in known:
+                known.add(end)
+                yield f"{place}/{name}"
 
 
-def _read(path: Path) -> LcmFile | Problem:
+def _read(path: str) -> LcmFile | Problem:
     try:
-        if not path.is_file():
-            what = "this is not a file" if path.exists() else "this link leads nowhere"
-            return Problem(str(path), 0, what)
-        if path.stat().st_size > LARGEST:
-            what = f"a {path.suffix} file must have less than {LARGEST} bytes"
-            return Problem(str(path), 0, what)
-        package = ""
-        if path.suffix != ".lcm":
-            from lcmtools.packages.ros_files import package_of
-
-            package = package_of(path)
-        return LcmFile(path, path.read_bytes(), package)
+        package = "" if path.endswith(".lcm") else _ros_package(path)
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # of a FIFO, without a wait
+        try:
+            status = os.fstat(descriptor)
+            if not stat.S_ISREG(status.st_mode):
+                return Problem(path, 0, "this is not a file")
+            if status.st_size > LARGEST:
+                what = f"a {Path(path).suffix} file must have less than {LARGEST} bytes"
+                return Problem(path, 0, what)
+            return LcmFile(path, os.read(descriptor, status.st_size), package)
+        finally:
+            os.close(descriptor)
+    except FileNotFoundError:
+        return Problem(path, 0, "this link leads nowhere")
     except OSError as error:
-        return Problem(str(path), 0, f"cannot be read: {error.strerror}")
+        return Problem(path, 0, f"cannot be read: {error.strerror}")
+
+
+def _ros_package(path: str) -> str:
+    from lcmtools.packages.ros_files import package_of
+
+    return package_of(Path(path))

@@ -1,8 +1,8 @@
-"""Users' own types: where they come from, their precedence, and compiling them.
+"""Users' own types: where they come from, and their precedence.
 
-"Near" types are from LCMTOOLS_TYPE_PATH and workspaces, noted ones last: they take precedence over
-the shipped types, because they are under development. "Far" types are from installed packages: they
-come last, and only for types that are otherwise unknown, because finding them takes a moment.
+Those of the workspace, of LCMTOOLS_TYPE_PATH and of noted workspaces take precedence over the
+shipped types, because they are under development. Those of installed packages come last, and only
+for types that are otherwise unknown, because finding them takes a moment.
 """
 
 import time
@@ -32,7 +32,7 @@ from lcmtools.messages.registry import (
     type_names,
 )
 from lcmtools.messages.supply import current_supply, has_supply
-from lcmtools.messages.type_source import TypeSource
+from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
 from lcmtools.packages.type_files import (
@@ -48,17 +48,19 @@ from lcmtools.packages.workspace import noted_type_folders, type_folders
 if TYPE_CHECKING:  # most commands do not need logs
     from lcmtools.wire.log_index import RecordedType
 
-_NEAR_AGAIN = 1.0
-_FAR_AGAIN = 10.0
+_WORKSPACE_AGAIN = 1.0
+_INSTALLED_AGAIN = 10.0
 """Seconds after which files are read again, because they may be edited while a command runs."""
 
 
 @dataclass(slots=True)
 class _Found:
-    """The types found by the last search, with its time and start folders."""
+    """The files and types found by the last search, with its time and start folders."""
 
     time: float = float("-inf")
     folders: object = None
+    files: Sequence[LcmFile] = ()
+    problems: Sequence[Problem] = ()
     source: TypeSource | None = None
 
 
@@ -80,27 +82,30 @@ class UserTypes:
         self._starts = list(starts)
         self._shipped = shipped
         self._clock = clock
-        self._near = _Found()
-        self._far = _Found()
+        self._workspace = _Found()
+        self._installed = _Found()
         self._recorded: dict[tuple[LcmFile, ...], TypeSource | None] = {}  # by log
         self._recorded_names: defaultdict[int, dict[str, None]] = defaultdict(dict)
 
-    def near(self) -> TypeSource | None:
+    def workspace(self) -> TypeSource | None:
         """The types of LCMTOOLS_TYPE_PATH and of workspaces; None if there are none."""
-        return self._current(self._near, _NEAR_AGAIN, self.near_folders)
+        return self._current(self._workspace, _WORKSPACE_AGAIN, self.workspace_folders, _Found())
 
-    def far(self) -> TypeSource | None:
-        """The near types and those of installed packages."""
-        return self._current(self._far, _FAR_AGAIN, self.far_folders)
+    def installed(self) -> TypeSource | None:
+        """The same types and those of installed packages."""
+        self.workspace()
+        return self._current(self._installed, _INSTALLED_AGAIN, installed_folders, self._workspace)
 
     def recorded(self) -> list[TypeSource]:
         """The types stored with each log; their files do not exist here, so none are named."""
         for files, source in self._recorded.items():
             if source is None:
                 found = self._compiled(files)
-                versions = [TypeSource(one.prefix, one.fingerprints) for one in found.versions]
+                versions = {
+                    name: dict.fromkeys(others, "") for name, others in found.versions.items()
+                }
                 self._recorded[files] = TypeSource(
-                    found.prefix, found.fingerprints, versions=versions
+                    found.module, found.fingerprints, versions=versions
                 )
         return [source for source in self._recorded.values() if source]
 
@@ -116,29 +121,32 @@ class UserTypes:
         return list(self._recorded_names.get(fingerprint, ()))
 
     def compiled_types(self, types: "Iterable[RecordedType]") -> TypeSource:
-        """Compile types from their text."""
+        """Return types by their text."""
         return self._compiled(tuple(dict.fromkeys(map(_recorded_file, types))))
 
     def compiled(self, folders: Sequence[Path]) -> TypeSource:
-        """Compile the types in these folders, and the types that they may use from others."""
-        return self._read([*folders, *self.far_folders()]) or TypeSource("", {})
+        """Return the types in these folders, and those that they may use from others."""
+        found = self._source(*read_folders([*folders, *self.all_folders()]))
+        return found or TypeSource("", {})
 
-    def near_folders(self) -> list[Path]:
+    def workspace_folders(self) -> list[Path]:
         """The folders that take precedence over the shipped types."""
         around = type_folders(*self._starts)
         noted = noted_type_folders(self._environment)
         return [*variable_folders(self._environment), *around, *noted]
 
-    def far_folders(self) -> list[Path]:
+    def all_folders(self) -> list[Path]:
         """All folders, installed packages last."""
-        return [*self.near_folders(), *installed_folders()]
+        return [*self.workspace_folders(), *installed_folders()]
 
     def declared_packages(self) -> set[str]:
-        """Return the packages that the files declare; compiles none, a file may be wrong."""
-        from lcmtools.packages.generated import declared_packages
+        """Return the packages that the files declare; a file may be wrong."""
+        from lcmtools.packages.lcm_parser import declared
 
-        files, _ = read_folders(self.far_folders())
-        return {package for file in files for package in declared_packages(file)}
+        files, _ = read_folders(self.all_folders())
+        named = {file.package for file in files if file.package}
+        texts = (one.content.decode("utf-8", "replace") for one in files if not one.package)
+        return named.union(*(declared(text)[1] for text in texts))
 
     def add_start(self, folder: Path) -> None:
         """Also search the workspace of another folder."""
@@ -146,37 +154,33 @@ class UserTypes:
             self._starts.append(folder)
 
     def _current(
-        self, found: _Found, seconds: float, folders: Callable[[], Sequence[Path]]
+        self, found: _Found, seconds: float, folders: Callable[[], Sequence[Path]], first: _Found
     ) -> TypeSource | None:
+        """Return the types of ``first`` and of folders, which are searched from time to time."""
         if found.folders != self._starts or self._clock() - found.time >= seconds:
-            found.source = self._read(folders())
+            files, problems = read_folders(folders())
+            found.files = list({file.where: file for file in (*first.files, *files)}.values())
+            found.problems = list(dict.fromkeys((*first.problems, *problems)))
+            found.source = self._source(found.files, found.problems)
             found.time, found.folders = self._clock(), list(self._starts)
         return found.source
 
-    def _read(self, folders: Sequence[Path]) -> TypeSource | None:
-        files, problems = read_folders(folders)
+    def _source(self, files: Sequence[LcmFile], problems: Sequence[Problem]) -> TypeSource | None:
         if not files:
             return TypeSource("", {}, problems=problems) if problems else None
         source = self._compiled(files)
         return source._replace(problems=[*problems, *source.problems])
 
     def _compiled(self, files: Sequence[LcmFile]) -> TypeSource:
-        from lcmtools.packages.cache import cached_types
+        from lcmtools.packages.cache import types_of
 
-        return cached_types(files, self._environment, self._shipped, _say)
-
-
-def _say(text: str) -> None:
-    """Tell what takes long, as libraries do: by logging, which writes to standard error."""
-    import logging
-
-    logging.getLogger("lcmtools").warning(text)
+        return types_of(files, self._environment, self._shipped)
 
 
 def _recorded_file(one: "RecordedType") -> LcmFile:
     path = Path(one.path)
     package = one.name.rpartition("/")[0] if path.suffix != ".lcm" else ""
-    return LcmFile(path, one.source.encode("utf-8", "surrogateescape"), package)
+    return LcmFile(str(path), one.source.encode("utf-8", "surrogateescape"), package)
 
 
 def user_types() -> UserTypes:

@@ -14,11 +14,17 @@ _NOTHING_SAID = NodeArguments()
 
 @contextlib.contextmanager
 def own_node(
-    tool: str, url: BusUrl, arguments: NodeArguments = _NOTHING_SAID, *, simulated: bool = False
+    tool: str,
+    url: BusUrl,
+    arguments: NodeArguments = _NOTHING_SAID,
+    *,
+    simulated: bool = False,
+    in_order: bool = False,
 ) -> Iterator[Node]:
     """A node on a separate connection, independent of the other nodes of this process.
 
     The name, namespace and remaps of ``arguments`` apply. Simulated time comes from /clock.
+    With ``in_order``, no message overtakes a larger one.
 
     Raises:
         InvalidName: A name breaks the naming rules.
@@ -26,6 +32,8 @@ def own_node(
     """
     parameters = {"use_sim_time": "true"} if simulated else {}
     context = open_context(url, arguments._replace(parameters=parameters))
+    if in_order:
+        context.bus.keep_order()
     try:
         with Node(f"_lcmtools_{tool}_{os.getpid()}", tool=True, context=context) as node:
             yield node

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
+from shlex import quote
 from typing import TypeAlias
 
 from lcmtools.arguments import NodeArguments
@@ -9,12 +10,15 @@ from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import UsageError
 from lcmtools.messages.fill import Value
 from lcmtools.messages.message_template import MessageTemplate, draft, draft_from_values
-from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.registry import Message, message_class, type_name
 from lcmtools.messages.supply import has_supply
+from lcmtools.node.node import Node
+from lcmtools.observe.actuators import is_command_topic
 from lcmtools.packages import provide_user_types
 from lcmtools.publish.incoming import Incoming, Notify, Template
 from lcmtools.publish.own_node import own_node
 from lcmtools.publish.schedule import OnSent, Schedule, ScheduledPublisher, schedule_for
+from lcmtools.publish.standing_command import obeying, standing_command
 from lcmtools.publish.subscriber_wait import SubscriberWait
 from lcmtools.settings import read_user_file
 
@@ -88,7 +92,8 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
         publisher = node.create_publisher(kind, topic, plain_channel=plain_channel)
         publisher.is_latched = latch or schedule.stay > 0
-        wait = SubscriberWait(node, publisher, bus, notify)
+        literal = "" if plain_channel or topic.startswith(("/", "~")) else topic
+        wait = SubscriberWait(node, publisher, bus, notify, literal)
         if simulated:
             wait.wait_for_clock(timeout)
         wait.wait(subscribers, timeout)
@@ -97,7 +102,11 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
             node, publisher, publisher.is_latched, endures, notify=notify, on_sent=on_sent
         )
         on_start(schedule)
-        scheduled.send_all(incoming, schedule)
+        try:
+            scheduled.send_all(incoming, schedule)
+        finally:
+            if scheduled.last is not None:
+                _tell_standing(node, publisher.topic, scheduled.last.message, bus, notify)
         return scheduled.count
 
 
@@ -111,6 +120,16 @@ def check_topic(topic: str, *, plain_channel: bool) -> None:
         raise UsageError("the topic's name is empty", "give one, for example /chatter")
     if any("\ud800" <= character <= "\udfff" for character in topic):
         raise UsageError(f"{topic!a} is not UTF-8", "nodes cannot use other channels")
+
+
+def _tell_standing(node: Node, topic: str, message: Message, bus: BusUrl, notify: Notify) -> None:
+    """Tell of a command that an actuator goes on to obey, with the line that stops it."""
+    kind = type_name(message)
+    is_heard = is_command_topic(topic, kind) and node.has_plain_listeners(at_once=True)
+    standing = standing_command(topic, kind, message)
+    if standing.values and (is_heard or obeying(node.graph(), topic, kind)):
+        where = f" --lcm-url {quote(str(bus))}" if standing.typed and bus != _bus_url(None) else ""
+        notify(f"{standing.lasting}{where}")
 
 
 def _incoming(kind: type[Message], values: "One | Iterator[One]") -> Incoming:

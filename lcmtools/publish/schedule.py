@@ -99,8 +99,8 @@ class ScheduledPublisher:
     notify: Notify
     on_sent: OnSent
     count: int = 0  # number of messages sent
+    last: Template | None = None  # that was sent, or was to be
     _is_cut_off: bool = False
-    _last: Template | None = None
     _served: frozenset[str] = frozenset()
     _next_look: float = 0.0
 
@@ -141,7 +141,7 @@ class ScheduledPublisher:
             raise BrokenOff(error.what, f"{hint}{sent} been sent") from None
 
     def _send(self, template: Template) -> None:
-        self._last = template
+        self.last = template
         if not self._is_sent(template):
             return
         self.count += 1
@@ -166,12 +166,12 @@ class ScheduledPublisher:
     def _attend(self) -> None:
         if self._spins:
             spin_once(self.node)
-        if not self.latch or self._last is None or time.monotonic() < self._next_look:
+        if not self.latch or self.last is None or time.monotonic() < self._next_look:
             return
         self._next_look = time.monotonic() + _POLL
         present = self.publisher.subscriber_ids()
-        if present - self._served and self._is_sent(self._last):
-            self.on_sent(self.count, self._last.message, True)  # noqa: FBT003 - again
+        if present - self._served and self._is_sent(self.last):
+            self.on_sent(self.count, self.last.message, True)  # noqa: FBT003 - again
         self._served = present
 
     def _is_sent(self, template: Template) -> bool:

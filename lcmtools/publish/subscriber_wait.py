@@ -32,12 +32,19 @@ class SubscriberWait:
     """The wait for the subscribers of a node's publisher."""
 
     def __init__(
-        self, node: Node, publisher: Publisher[Message], url: BusUrl, notify: Notify
+        self,
+        node: Node,
+        publisher: Publisher[Message],
+        url: BusUrl,
+        notify: Notify,
+        literal: str = "",
     ) -> None:
+        """``literal`` is the LCM channel that may be meant by the topic; "" for none."""
         self._node = node
         self._publisher = publisher
         self._notify = notify
         self._url = url
+        self._literal = literal
         self._sockets = listening_sockets(url)
         publisher.subscriber_ids()  # probes the nodes, which answer while other work is done
 
@@ -86,6 +93,9 @@ class SubscriberWait:
         if self._publisher.subscriber_count():
             return
         if self._has_plain_listeners() and not self._misfits():
+            if self._literal:
+                channel = f"for the channel {self._literal} of plain LCM programs, which listen"
+                self._notify(f"publishes on {self._publisher.topic}; {channel}: --plain-channel")
             return
         if not wait_until(self._publisher.subscriber_count, _LONGEST - _ANSWERED):
             topic, misfits = self._publisher.topic, self._misfits()

@@ -95,6 +95,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._troubles = ["", ""]
         self._has_notified: bool | None = None
         self._awaited = ""
+        self._said_left_out = set[str]()
         self._ends = threading.Event()
         self._stopped = threading.Event()
         self._threads = [
@@ -145,6 +146,7 @@ class Relay(AbstractContextManager["Relay"]):
                 self._report(now)
             self._decide(now)
             self._tell_observed(now)
+            self._say_left_out()
             for index in (0, 1):
                 self._answer_owed(index)
             for presence in self._presences:
@@ -320,6 +322,14 @@ class Relay(AbstractContextManager["Relay"]):
             problem = f"another relay is on {other.bus}"
             self._notify(f"{problem}; waiting some seconds for its answer on {line.bus}")
         self._awaited = identifier
+
+    def _say_left_out(self) -> None:
+        """Notify once of each topic that needs an option of its own to pass, and of the option."""
+        for side in self._sides if self._carries else ():
+            for topic in side.named_only.keys() - self._said_left_out:
+                self._said_left_out.add(topic)
+                rest = "" if self._rules.allow else "--allow '**' "
+                self._notify(f"leaves out {topic}; to pass it: {rest}--allow {topic}")
 
     def _say_state(self, active: Collection[str]) -> None:
         here, there = (side.bus for side in self._sides)

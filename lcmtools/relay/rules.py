@@ -16,7 +16,7 @@ from lcmtools.observe.actuators import is_command_topic
 
 _OF_SERVICE = ("/_request", "/_reply")
 _NAMED_ONLY = (CLOCK_TOPIC,)
-_INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
+INTERNAL = ("LCM_SELF_TEST", "#!mpudpm")
 
 
 class Reason(Enum):
@@ -127,7 +127,7 @@ class Direction:
             return None
         if self._rules.allow and not self._allow.match(topic):
             return Reason.NOT_ALLOWED
-        if topic in _NAMED_ONLY or topic.startswith(_INTERNAL):
+        if topic in _NAMED_ONLY or topic.startswith(INTERNAL):
             return Reason.NAMED_ONLY
         is_command = obeyed or any(is_command_topic(channel, one) for one in types or [""])
         return Reason.COMMAND if is_command else None

@@ -21,7 +21,7 @@ from lcmtools.relay.announcing import heard_of_programs, is_young, renamed
 from lcmtools.relay.ends import BusEnd
 from lcmtools.relay.fair_queue import LATE
 from lcmtools.relay.line_queue import LineMessage, LineQueue
-from lcmtools.relay.rules import Direction, Reason, Route
+from lcmtools.relay.rules import INTERNAL, Direction, Reason, Route
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
@@ -44,6 +44,7 @@ class Side:
         self.idle: frozenset[Sender] = frozenset()
         # Topics that do not pass because they are not named exactly, with their names there.
         self.commands: dict[str, str] = {}
+        self.named_only: dict[str, None] = {}  # the names in the options of topics that need them
         self.has_new_route = False  # since the last ``observed``
         self._rates = LineRates()
         self._builder = GraphBuilder()
@@ -240,6 +241,10 @@ class Side:
         self.has_new_route = True
         if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:
             self.commands[packet.channel] = str(name)
+        if route.reason in (Reason.COMMAND, Reason.NAMED_ONLY):
+            typed = self.direction.typed_name(packet.channel)
+            if len(self.named_only) < _MOST_COMMANDS and not typed.startswith(INTERNAL):
+                self.named_only[typed] = None
         return route
 
     def _types(self, packet: Packet) -> Collection[str]:

@@ -15,6 +15,7 @@ _NO_QOS = "LCM has no QoS: delivery is best effort"
 _NO_DAEMON = "there is no daemon to wait for: the nodes answer at once"
 _AS_IT_COMES = "messages are written as they arrive"
 _NO_ACTIONS = "LCM has no actions: publish goal and result as messages, or write a service"
+_TF_ECHO = "lcmtools tf echo SOURCE TARGET prints a pose, lcmtools echo /tf the messages"
 _NO_ENVIRONMENT = "no terminal needs to be prepared: there is nothing to source or to load"
 _NO_INSTALLATION = "no package of ROS needs to be installed; lcmtools run --list shows the nodes"
 _ONE_PROGRAM = "lcmtools run starts a node as a program of its own, lcmtools node kill ends it"
@@ -90,7 +91,7 @@ COMMANDS: Mapping[str, str | tuple[str, ...]] = {
     "rqt_reconfigure": "lcmtools gui parameters, in the browser; lcmtools param set in a shell",
     "rqt_robot_steering": "lcmtools gui steer TOPIC, or run steering TOPIC in the terminal",
     "rqt_service_caller": "lcmtools gui services, in the browser; lcmtools service call in a shell",
-    "rqt_tf_tree": "lcmtools echo /tf",
+    "rqt_tf_tree": ("tf", "tree"),
     "rqt_topic": ("spy",),
     "rviz": _LOOK,
     "rviz2": _LOOK,
@@ -106,11 +107,12 @@ COMMANDS: Mapping[str, str | tuple[str, ...]] = {
     "sudo": _NO_INSTALLATION,
     "teleop_twist_keyboard": ("run", "teleop"),
     "test": "pytest runs a package's tests; lcmtools lab check checks the programs of a lab",
-    "tf2_echo": "lcmtools echo /tf",
-    "tf_echo": "lcmtools echo /tf",
-    "tf_monitor": "lcmtools hz /tf",
+    "tf2_echo": _TF_ECHO,
+    "tf2_monitor": ("tf", "tree"),
+    "tf_echo": _TF_ECHO,
+    "tf_monitor": ("tf", "tree"),
     "turtlesim": "lcmtools run sim starts a simulated robot, lcmtools lab list shows the labs",
-    "view_frames": "lcmtools echo /tf",
+    "view_frames": ("tf", "tree"),
 }
 """A hint where there is no such command here, or the words in its place."""
 OPTIONS: Mapping[str, str] = {

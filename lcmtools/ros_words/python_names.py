@@ -15,7 +15,6 @@ FUNCTIONS = {
     "set_param": "node.set_parameters([lcmtools.Parameter('name', value)])",
     "wait_for_message": "next(lcmtools.observe.messages('/topic'))",
     "wait_for_service": "client.call(request, timeout), which waits",
-    "spin_until_future_complete": "client.call(request, timeout), which waits",
     **dict.fromkeys(("logdebug", "loginfo"), "node.get_logger().info(text)"),
     "logwarn": "node.get_logger().warning(text)",
     **dict.fromkeys(("logerr", "logfatal"), "node.get_logger().error(text)"),

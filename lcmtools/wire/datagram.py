@@ -24,11 +24,13 @@ MESSAGE_MAX = 1 << 28
 """liblcm's receivers refuse larger messages, in bytes."""
 
 _SHORT_HEADER = struct.Struct(">4sI")
-_pack_short = _SHORT_HEADER.pack
+short_head = _SHORT_HEADER.pack
+"""Returns the bytes before the channel of a short message: ``short_head(MAGIC_SHORT, seqno)``."""
 _FRAGMENT_HEADER = struct.Struct(">4sIIIHH")
 SHORT_HEADER_BYTES, FRAGMENT_HEADER_BYTES = _SHORT_HEADER.size, _FRAGMENT_HEADER.size
 CHANNEL_MAX = 63
 """Longest channel name without its NUL, in bytes."""
+_LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # of a channel in a short message
 
 
 class ShortMessage(NamedTuple):
@@ -67,9 +69,20 @@ def parse(datagram: bytes) -> ShortMessage | Fragment | MalformedDatagram:
     return MalformedDatagram(f"starts with {magic!r}, not with LC02 or LC03")
 
 
+def split_short(datagram: bytes) -> tuple[bytes, bytes | None]:
+    """Return a short message's encoded channel and its payload: None for any other datagram.
+
+    The least that ``parse`` does, for those who read thousands a second.
+    """
+    end = datagram.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
+    if end > 0 and datagram.startswith(MAGIC_SHORT):
+        return datagram[SHORT_HEADER_BYTES:end], datagram[end + 1 :]
+    return b"", None
+
+
 def short_message(seqno: int, channel: str, payload: bytes) -> bytes:
     """Return the datagram of a message that fits into one (see SHORT_MESSAGE_MAX)."""
-    return _pack_short(MAGIC_SHORT, seqno & 0xFFFFFFFF) + _channel_bytes(channel) + payload
+    return short_head(MAGIC_SHORT, seqno & 0xFFFFFFFF) + _channel_bytes(channel) + payload
 
 
 def fragments(seqno: int, channel: str, payload: bytes) -> Iterator[bytes]:
@@ -111,11 +124,11 @@ def _channel_bytes(channel: str) -> bytes:
 def _parse_short(datagram: bytes) -> ShortMessage | MalformedDatagram:
     if len(datagram) < _SHORT_HEADER.size:
         return MalformedDatagram("short message: shorter than its header")
-    end = datagram.find(b"\0", 8, 8 + CHANNEL_MAX + 1)
-    if end < 0:
+    name, payload = split_short(datagram)
+    if payload is None:
         return MalformedDatagram("short message: channel name not ended within 63 bytes")
-    channel = datagram[8:end].decode("utf-8", "surrogateescape")
-    return ShortMessage(int.from_bytes(datagram[4:8], "big"), channel, datagram[end + 1 :])
+    channel = name.decode("utf-8", "surrogateescape")
+    return ShortMessage(int.from_bytes(datagram[4:8], "big"), channel, payload)
 
 
 def _parse_fragment(datagram: bytes) -> Fragment | MalformedDatagram:

@@ -9,17 +9,15 @@ from collections.abc import Iterable
 from lcmtools.bounded import BoundedDict
 from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import (
-    CHANNEL_MAX,
     FRAGMENT_HEADER_BYTES,
     MAGIC_FRAGMENT,
-    MAGIC_SHORT,
-    SHORT_HEADER_BYTES,
     Fragment,
     MalformedDatagram,
     parse,
+    split_short,
 )
 from lcmtools.wire.packet import Datagram, Packet, Sender
-from lcmtools.wire.reassembly import INCOMPLETE, Reassembler
+from lcmtools.wire.reassembly import Reassembler
 from lcmtools.wire.sequence import Sequence
 
 HEAD_BYTES = 1024
@@ -30,7 +28,6 @@ PROTOCOL_PREFIX = "/_lcmtools/"
 
 _MOST_SENDERS, _MOST_CHANNELS = 4000, 1000  # that are remembered
 _MOST_MALFORMED = 1000  # senders whose faults are remembered
-_LATEST_END = SHORT_HEADER_BYTES + CHANNEL_MAX + 1  # latest end of a channel in a short message
 _number = struct.Struct(">4xI").unpack_from  # the sequence number of a message
 _new = tuple.__new__  # creates a named tuple in half the time
 
@@ -44,11 +41,10 @@ class Reader:
     """
 
     def __init__(self, *, whole: bool, always_whole: tuple[str, ...] = (PROTOCOL_PREFIX,)) -> None:
+        self._always_whole = ("",) if whole else always_whole
         self._whole = whole
-        self._always_whole = always_whole
         self._reassembler = Reassembler()
         self._channels: dict[bytes, str] = {}  # cleared when full: a look-up is all that it saves
-        self._joined: dict[tuple[Sender, int], None] = {}
         self.needs_all = whole
         """True if it needs more than the first fragment of messages."""
         self.largest_whole = 0
@@ -67,14 +63,12 @@ class Reader:
     def read_all(self, datagrams: Iterable[Datagram]) -> list[Packet]:
         """Return the messages that these datagrams complete, or whose heads they have."""
         packets, before, known_ttl = [], None, None
-        channels, is_short, number = self._channels.get, bytes.startswith, _number
+        channels, split, number = self._channels.get, split_short, _number
         for data, sender, time, ttl in datagrams:
-            end = data.find(b"\0", SHORT_HEADER_BYTES, _LATEST_END)
-            if end > 0 and is_short(data, MAGIC_SHORT):  # the same as parse, in half the time
-                name = data[SHORT_HEADER_BYTES:end]
+            name, payload = split(data)
+            if payload is not None:
                 (seqno,) = number(data)
                 channel = channels(name) or self._decode_channel(name)
-                payload = data[end + 1 :]
                 packet = _new(Packet, (channel, payload, time, sender, seqno, None, None, ""))
             else:
                 other = self._read_other(data, sender, time)
@@ -111,37 +105,20 @@ class Reader:
         self._channels[name] = channel
         return channel
 
-    def want_whole(self, channels: tuple[str, ...]) -> None:
-        """From now on, assemble the large messages of these channels, as ``always_whole``."""
-        self._always_whole = channels
-
     def _join(self, fragment: Fragment, sender: Sender, time: int) -> Packet | None:
         channel, seqno = fragment.channel, fragment.seqno
-        if not (self._whole or self._is_joined(fragment, sender)):
-            if channel is None:
+        if channel is None:
+            if not (self._whole or self._reassembler.has_first(sender, seqno)):
                 return None
+        elif not channel.startswith(self._always_whole):
             head = bytes(fragment.part[:HEAD_BYTES])
             return Packet(channel, head, time, sender, seqno, fragment.message_size)
+        self.needs_all = True
         self.largest_whole = max(self.largest_whole, fragment.message_size)
         if channel is not None or sender in self.sequences:  # else begun before this
             self._sequence(sender).begin(seqno)
-        self._reassembler.drop_before(time - INCOMPLETE)
         whole = self._reassembler.add(sender, fragment, time)
-        if whole is None:
-            return None
-        self._joined.pop((sender, seqno), None)
-        return Packet(whole.channel, whole.payload, time, sender, seqno)
-
-    def _is_joined(self, fragment: Fragment, sender: Sender) -> bool:
-        """Return whether a fragment belongs to a message that is assembled for its channel."""
-        key = (sender, fragment.seqno)
-        if fragment.channel is None or not fragment.channel.startswith(self._always_whole):
-            return fragment.channel is None and key in self._joined
-        self.needs_all = True
-        if len(self._joined) >= _MOST_CHANNELS:
-            self._joined.pop(next(iter(self._joined)))
-        self._joined[key] = None
-        return True
+        return whole and Packet(whole.channel, whole.payload, time, sender, seqno)
 
     def _sequence(self, sender: Sender) -> Sequence:
         """Return a sender's sequence."""

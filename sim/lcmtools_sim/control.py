@@ -60,7 +60,7 @@ class Control:
 
     def _pause(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
         response.message = "was already paused" if self._loop.paused else "paused"
-        self._loop.paused = True
+        self._loop.pause()
 
     def _resume(self, _: std_srvs.Trigger_Request, response: std_srvs.Trigger_Response) -> None:
         response.message = "resumed" if self._loop.paused else "was not paused"

@@ -27,7 +27,7 @@ class Loop:
         last_step: int | None = None,
         let_step: Callable[[Callable[[], bool]], bool] = lambda _: False,
     ) -> None:
-        self.paused = False  # may be changed at any time
+        self.paused = False
         self.is_stepping = False  # True during ``step``, for code called in ``let_step``
         self._simulation, self._bridge, self._pacer = simulation, bridge, pacer
         self._go_on, self._last_step, self._let_step = go_on, last_step, let_step
@@ -45,6 +45,11 @@ class Loop:
             if self._may_go_on() and not self.paused:
                 self._step()
                 self._wait()
+
+    def pause(self) -> None:
+        """Stand still from now on; the clock's last message then has this time."""
+        self.paused = True
+        self._bridge.publish_clock()
 
     def step(self, count: int) -> int:
         """Do a number of steps without waiting; return the number of steps done.

@@ -68,7 +68,8 @@ def _run(simulation: Simulation, options: Options, engine: str) -> None:
             loop = make_loop(pacer)
         else:
             loop = make_loop(pacer, let_step=Followers(node, simulation, bridge).wait)
-        loop.paused = options.paused
+        if options.paused:
+            loop.pause()
         Control(node, simulation, loop, refresh)
         for path in () if options.follow else scene.paths:
             make = partial(path_message, path)

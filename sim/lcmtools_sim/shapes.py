@@ -95,6 +95,20 @@ class Inertial:
     tensor: tuple[float, float, float, float, float, float] = (0.0,) * 6
 
 
+def is_possible(inertial: Inertial) -> bool:
+    """Return whether a body can have this inertia, within 1 %, as files have rounded numbers.
+
+    Its second moments of mass must not be negative about any axis: neither are principal moments
+    of inertia then, nor is one of them larger than the sum of the others.
+    """
+    xx, yy, zz, xy, xz, yz = inertial.tensor
+    half = (xx + yy + zz) / 2
+    a, b, c = (half * 1.01 - moment for moment in (xx, yy, zz))
+    minors = a, b, c, a * b - xy * xy, a * c - xz * xz, b * c - yz * yz
+    determinant = a * b * c - 2 * xy * xz * yz - a * yz * yz - b * xz * xz - c * xy * xy
+    return min(*minors, determinant) >= 0
+
+
 def inertials_of(parts: Sequence[Part], mass: float) -> list[Inertial]:
     """Return the mass properties of parts of one homogeneous material with this total mass [kg]."""
     density = mass / sum(_volume(part.shape) for part in parts)

@@ -130,7 +130,7 @@ def test_it_is_refused_in_one_line(
 def test_a_type_is_refused_in_one_line(strange: Path, tmp_path: Path) -> None:
     environment = {"LCMTOOLS_TYPE_PATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
     (tmp_path / "Own.lcm").symlink_to(strange)
-    source = UserTypes(environment, [], FINGERPRINTS).near()
+    source = UserTypes(environment, [], FINGERPRINTS).workspace()
     assert source
     (problem,) = source.problems
     assert any(one in str(problem.error()) for one in REASONS)

@@ -13,15 +13,17 @@ from fixtures.command import Result
 from fixtures.programs import Program
 from fixtures.says import assert_says
 
+from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs import skeletons
 from lcmtools.packages import cpp
 from lcmtools.packages.cmake import built_source
 from lcmtools.packages.cpp import compiler_flags
+from lcmtools.types.nav_msgs import Odometry
+from lcmtools.wire.packet import Packet
 
 Cli = Callable[..., Result]
 ROOT = Path(__file__).parents[2]
-LABS = ROOT / "labs"
 CHECKS = {
     "kinect_viewer": ("pioneer", "viewer"),
     "moving_robot": ("dolly", "mover"),
@@ -52,14 +54,12 @@ def compile_program(
 
 
 def answer(name: str) -> Path:
-    (path,) = LABS.glob(f"*/cpp/{name}.cpp")
-    return path
+    return Path(skeletons.__file__).with_name(f"{name}.cpp")
 
 
 @pytest.mark.parametrize("name", skeletons.CPP_NAMES)
 def test_a_skeleton_compiles_as_it_is(name: str, compile_program: Callable[..., Path]) -> None:
-    source = Path(skeletons.__file__).with_name(f"{name}.cpp")
-    compile_program(source, "-fsyntax-only")
+    compile_program(answer(name), "-fsyntax-only", "-DSKELETON")
 
 
 @pytest.mark.parametrize("page", ["coming-from-ros1.md", "coming-from-ros2.md"])
@@ -86,6 +86,26 @@ def test_a_model_answer_passes_its_check(
     lab, option = CHECKS[name]
     checked = cli("lab", "check", lab, f"--{option}", str(program))
     assert checked.code == 0, checked
+
+
+@pytest.mark.parametrize(
+    ("name", "topic"), [("simple_controller", "odometry"), ("moving_robot", "other")]
+)
+def test_a_recording_is_played_to_a_model_answer_in_lock_step(
+    name: str, topic: str, compile_program: Callable[..., Path], cli: Cli, tmp_path: Path
+) -> None:
+    program = ("--", str(compile_program(answer(name))))
+    inputs, saved = tmp_path / "inputs.lcmlog", tmp_path / "saved.lcmlog"
+    with LogWriter(inputs) as log:
+        for n in range(100):
+            message = Odometry()
+            message.twist.twist.linear.x = n / 100
+            log.add(Packet(f"/{topic}", message.encode(), 10**18 + n * 20_000_000))
+    assert cli("bag", "rerun", str(inputs), "--save", str(saved), *program).code == 1
+    done = cli("bag", "rerun", str(saved), "--twice", "--json", *program)
+    report = json.loads(done.out)
+    assert (done.code, report["lockstep"]) == (0, True), report
+    assert [one["matched"] for one in report["topics"]] == [100 if topic == "odometry" else 3]
 
 
 @pytest.mark.usefixtures("quiet_network")

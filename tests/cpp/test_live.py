@@ -3,8 +3,11 @@
 import json
 import os
 import signal
+import socket
+import struct
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -15,6 +18,7 @@ from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools import Node
+from lcmtools.bus.kernel import receive_buffer_bytes, receive_buffers
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import ServiceError
@@ -29,6 +33,7 @@ from lcmtools.graph.protocol import (
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import SetBool
+from lcmtools.wire.tcpq import PUBLISH, SERVER_GREETING, FrameReader
 
 Cli = Callable[..., Any]
 Wait = Callable[..., None]
@@ -243,6 +248,18 @@ def test_an_unknown_parameter_is_warned_of(everything: Callable[..., Program]) -
     everything("_gian:=2").wait_for("there is no parameter 'gian'")
 
 
+def test_names_that_no_node_uses_are_warned_of(everything: Callable[..., Program]) -> None:
+    words = ("word:=/a", "words:=/b", "echo=c", "gain=3", "_lr=3", "lr=3", "--", "echo=d")
+    program = everything(*words)
+    program.wait_for("'_lr=3'")
+    assert [line.partition("]: ")[2] for line in program.lines if "[WARN]" in line] == [
+        "word:=/a has no effect: no topic or service here is named 'word'",
+        "'echo=c' names nothing; did you mean echo:=c?",
+        "'gain=3' names nothing; did you mean _gain:=3?",
+        "'_lr=3' names nothing; did you mean _lr:=3?",
+    ]
+
+
 def test_its_service_answers_and_refuses(everything: Callable[..., Program], talk: Talk) -> None:
     everything("_gain:=7")
     client = talk.node.create_client(SetBool, "/husky0/refuse")
@@ -252,6 +269,29 @@ def test_its_service_answers_and_refuses(everything: Callable[..., Program], tal
     request.data = False
     with pytest.raises(ServiceError, match="it must be true"):
         client.call(request, 20.0)
+
+
+def test_it_calls_asynchronously_while_it_spins(everything: Callable[..., Program]) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
+    words = ["gain 1", "/husky0/refuse: it must be true", "timeout", "interrupted", "spun"]
+    assert program.lines[1:] == words
+
+
+def test_a_request_is_repeated_until_its_service_is_there(
+    everything: Callable[..., Program], talk: Talk
+) -> None:
+    program = everything("call")
+    program.wait_for("timeout")
+
+    def answer(_: Any, response: Any) -> Any:
+        response.message = "at last"
+        return response
+
+    talk.node.create_service(SetBool, "/husky0/nobody", answer)
+    program.wait_for("at last")
 
 
 def test_it_calls_a_service_in_a_callback(
@@ -356,6 +396,17 @@ def test_a_killed_one_is_noticed(everything: Callable[..., Program], cli: Cli) -
     assert_says(cli("wtf").out, NAME, str(program.pid))
 
 
+def test_its_receive_buffer_is_as_large_as_the_system_grants(
+    everything: Callable[..., Program],
+) -> None:
+    """A plain LCM program sends an image in one burst."""
+    program = everything()
+    links = [str(one.readlink()) for one in Path(f"/proc/{program.pid}/fd").iterdir()]
+    inodes = [int(link[8:-1]) for link in links if link.startswith("socket:")]
+    sizes = receive_buffers()
+    assert 2 * receive_buffer_bytes() in [sizes.get(inode) for inode in inodes]
+
+
 def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(
     everything: Callable[..., Program], talk: Talk
 ) -> None:
@@ -363,6 +414,26 @@ def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(
     files = Path(os.environ["XDG_RUNTIME_DIR"]).glob("lcmtools/records/*/*.json")
     records = {record["name"]: record for record in map(json.loads, map(Path.read_text, files))}
     ours, python = records[NAME], records[talk.node.name]
-    assert list(ours) == list(python)
+    assert sorted(ours) == sorted(python)
     for key in ("network", "network_cookie", "pid_namespace"):
         assert ours[key] == python[key]
+
+
+def test_on_tcpq_half_a_message_holds_up_no_timer(
+    node_program: Path, start: Callable[..., Program]
+) -> None:
+    """Liblcm waits for the rest: not on the thread that runs the callbacks."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        server.settimeout(60)
+        start(str(node_program), "--lcm-url", f"tcpq://127.0.0.1:{server.getsockname()[1]}")
+        client, _ = server.accept()
+        reader, counts = FrameReader(), Counter[str]()
+        with client:
+            client.settimeout(60)
+            client.sendall(SERVER_GREETING)
+            half = struct.pack(">II6sI", PUBLISH, 6, b"/words", 1_000_000) + bytes(1000)
+            while counts["PLAIN"] < 5:
+                before = counts["PLAIN"]
+                counts.update(one.name for one in reader.read(client.recv(1 << 16)))
+                if not before and counts["PLAIN"]:
+                    client.sendall(half)

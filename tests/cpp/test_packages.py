@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -119,6 +120,55 @@ def test_nodes_of_both_languages_share_a_package_and_its_messages(
     launch.wait_for("[/reader]: a mark 7")
     launch.wait_for("[/reader]: HIGH BACK")
     assert_says(cli("node", "info", "/relay").out, "/marks [rover/Mark]", "/count [rover/Count]")
+
+
+PROJECT = """\
+cmake_minimum_required(VERSION 3.16)
+project(own CXX)
+find_package(lcmtools REQUIRED)
+add_executable(own own.cpp)
+target_link_libraries(own PRIVATE lcmtools::lcmtools)
+lcmtools_generate(own acme std_msgs FOLDERS ../types)
+"""
+OWN = """\
+#include <acme/sense/Scan.hpp>
+#include <acme/Pose.hpp>
+#include <std_msgs/String.hpp>
+int main() { return acme::sense::Scan{}.%s + sizeof(acme::Pose) == 0; }
+"""
+
+
+def test_types_of_a_folder_are_generated_and_follow_their_files(
+    space: Path, compiler: str, lcmtools_path: str
+) -> None:
+    assert compiler
+    cmake = shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
+
+    def build(*words: str) -> str:
+        done = subprocess.run([cmake, *words], capture_output=True, text=True, check=False)
+        return "" if done.returncode == 0 else done.stdout + done.stderr
+
+    types, project = space / "types" / "deep", space / "project"
+    for folder in (types, project):
+        folder.mkdir(parents=True)
+    scan, pose = types / "scan.lcm", types / "Pose.msg"
+    scan.write_text("package acme.sense;\nstruct Scan { int32_t old; acme.Pose at; }\n")
+    pose.write_text("float64 x\n")
+    (types.parent / "acme").mkdir()
+    pose.rename(types.parent / "acme" / "Pose.msg")
+    (project / "CMakeLists.txt").write_text(PROJECT.replace(" acme ", " acme acme.sense "))
+    (project / "own.cpp").write_text(OWN % "old")
+    options = [f"-DCMAKE_PREFIX_PATH={cpp.cpp_folder()}", f"-DLCMTOOLS_PROGRAM={lcmtools_path}"]
+    assert build("-S", "project", "-B", "build", *options) == ""
+    assert build("--build", "build") == ""
+    scan.write_text("package acme.sense;\nstruct Scan { int32_t newer; acme.Pose at; }\n")
+    assert_says(build("--build", "build"), "own.cpp:", "old")
+    (project / "own.cpp").write_text(OWN % "newer")
+    assert build("--build", "build") == ""
+    scan.write_text("package acme.sense;\nstruct Scan {\n  int32_t class;\n}\n")
+    assert_says(build("--build", "build"), "scan.lcm:3: 'class' is a keyword of C++")
+    (space / "types").rename(space / "moved")
+    assert_says(build("-S", "project", "-B", "build"), "there is no folder", "types")
 
 
 @pytest.mark.parametrize(

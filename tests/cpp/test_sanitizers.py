@@ -45,7 +45,7 @@ def test_no_fault_is_found(
     cli: Callable[..., Any],
     wait_until: Callable[..., None],
 ) -> None:
-    running = start(str(program))
+    running = start(str(program), "call")
     wait_until(lambda: "/everything" in cli("node", "list").out)
     node = start_node(lambda: Node("talk")).node
     words = node.create_publisher(String, "/words")

@@ -92,7 +92,7 @@ def test_a_damaged_type_is_refused_or_usable(
     for random in rounds(40):
         content = mutated(TYPES[name], random, words)
         place.write_bytes(content)
-        source = UserTypes(environment, [], FINGERPRINTS).near()
+        source = UserTypes(environment, [], FINGERPRINTS).workspace()
         assert source
         assert source.fingerprints or source.problems or source.enums or not content.strip()
         for problem in source.problems:

@@ -93,7 +93,7 @@ def held(serve: Callable[..., tuple[Program, str]], page: Any, witness: Witness)
 
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
-def test_the_watchdog_stops_what_a_suspended_or_killed_server_drove(
+def test_the_robot_is_stopped_that_a_suspended_or_killed_server_drove(
     held: Program, witness: Witness, number: int
 ) -> None:
     held.send_signal(number)

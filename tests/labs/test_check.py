@@ -1,5 +1,6 @@
 """lcmtools lab: the list, the start, and the checks of a student's own programs."""
 
+import contextlib
 import json
 import os
 import signal
@@ -201,7 +202,7 @@ def test_a_program_that_crashes_gets_a_row_with_its_last_words(
     [
         (
             "--reader=python3 reading_laser.py",
-            "simulates a program: about 10 s, longer if something fails",
+            "simulates a program: about 8 s, longer if something fails",
             "your program: python3 reading_laser.py",
         ),
         (
@@ -233,7 +234,8 @@ def test_what_a_check_does_is_told_before_the_simulator_starts(
     start: Callable[..., Any], lcmtools_path: str
 ) -> None:
     program = start(lcmtools_path, "lab", "check", "husky")
-    program.wait_for("simulates 2 programs, one after the other: about 20 s", 5.0)
+    program.wait_for("there is no simple_controller or evaluate_controller in this folder", 5.0)
+    program.wait_for("simulates 2 programs, one after the other: about 16 s", 5.0)
 
 
 def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(
@@ -275,6 +277,22 @@ def test_a_check_that_is_broken_off_leaves_no_process(
     code = program.wait()  # type: ignore[attr-defined]
     assert code == (-number if number == signal.SIGKILL else 128 + number)
     wait_until(lambda: left_over() == [], 20.0)
+
+
+def test_a_simulator_that_dies_is_not_the_fault_of_the_program(
+    start: Callable[..., Any], lcmtools_path: str, tmp_path: Path
+) -> None:
+    program = start(lcmtools_path, "lab", "check", "husky", TMPDIR=str(tmp_path))
+    program.wait_for("drive at 0.1 m/s", 60.0)
+    mark = f"TMPDIR={tmp_path}".encode()
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            is_ours = mark in (folder / "environ").read_bytes().split(b"\0")
+            if is_ours and b"\0--world\0" in (folder / "cmdline").read_bytes():
+                os.kill(int(folder.name), signal.SIGKILL)
+    assert program.wait() == 1
+    assert "the simulator ended during the check, with code -9" in program.output
+    assert "NOT OK" not in program.output
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -24,6 +24,10 @@ publisher = node.create_publisher(Twist, "/RosAria/cmd_vel")
 tty.setraw(0) if FAULT == "raw" else tty.setcbreak(0)
 ways = {"i": (1, 0), ",": (-1, 0), "j": (0, 1), "l": (0, -1), "u": (1, 1), "o": (1, -1),
         "m": (-1, -1), ".": (-1, 1)}
+if FAULT == "capitals":
+    ways["O"] = ways.pop("o")
+if FAULT == "unknown":
+    del ways["u"]
 if FAULT == "key-jl":
     ways["j"], ways["l"] = ways["l"], ways["j"]
 factors = {"q": (1.1, 1.1), "w": (1.1, 1), "e": (1, 1.1), "z": (0.9, 0.9), "x": (0.9, 1),
@@ -32,6 +36,9 @@ speed = turn = 1.0
 try:
     while True:
         key = sys.stdin.read(1)
+        if FAULT in ("capitals", "unknown") and key not in ways | factors | {"k": 0}:
+            publisher.publish(twist)
+            continue
         faster, more_turn = factors.get(key, (1, 1))
         speed, turn = speed * faster, turn * more_turn
         along, around = ways[key] if FAULT == "died" else ways.get(key, (0, 0))
@@ -160,6 +167,8 @@ lcmtools.spin(Unstopped())
     [
         ("key-jl", "'j' does what 'l' should do (right on the spot): the keys are mixed up"),
         ("turn-sign", "wrong sign of turn: left is angular.z above 0"),
+        ("capitals", "'O' does it, and 'o' does not: the keys are lower-case letters"),
+        ("unknown", "'u' changes nothing: is it in the program's table of keys, in lower case?"),
         ("died", "the program died: it ended with code 1: KeyError: 'k'"),
         ("endless", "let the loop end at Ctrl-C"),
         ("raw", "in a raw terminal Ctrl-C is the key"),
@@ -224,6 +233,17 @@ def test_a_program_that_ends_and_leaves_its_robot_driving_is_not_right(check: Ch
     assert row["what"] == "stops at the end"
     assert str(row["measured"]).startswith("+0.400 m/s")
     assert "publish a final Twist of 0" in row["hint"]
+
+
+def test_a_program_that_goes_on_at_the_end_of_the_path_is_not_right(check: Check) -> None:
+    called, end = (
+        "        super()._odometry_callback(odometry)\n",
+        "            lcmtools.shutdown()\n",
+    )
+    source = UNSTOPPED.replace(called, "").replace(end, f"            return\n{called}")
+    (row,) = check("pioneer", "path", source, "no-stop")
+    assert (row["what"], row["wanted"]) == ("stops at the end", "at rest within 3 s")
+    assert "at the last point publish a Twist of 0" in row["hint"]
 
 
 def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:

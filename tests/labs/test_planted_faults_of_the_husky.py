@@ -40,6 +40,8 @@ class Controller(Node):
 
     def take_desired(self, twist):
         self.desired = twist
+        if FAULT == "sleeps":
+            time.sleep(0.3)
 
     def take_odometry(self, odometry):
         self.count += 1
@@ -48,6 +50,8 @@ class Controller(Node):
         self.last = time.monotonic()
         if FAULT == "busy":
             time.sleep(0.5)
+        while FAULT == "endless" and self.desired.linear.x:
+            pass
         forward = self.desired.linear.x - odometry.twist.twist.linear.x
         turn = self.desired.angular.z - odometry.twist.twist.angular.z
         if FAULT == "raised" or (FAULT == "sometimes" and self.count % 20 == 7):
@@ -169,6 +173,8 @@ lcmtools.spin(Evaluator())
         ("speed-sign", "drive at 0.1 m/s", "wrong sign of speed (-1.00 m/s instead of +0.1)"),
         ("turn-sign", "turn at 0.3 rad/s", "wrong sign of turn"),
         ("busy", "drive at 0.1 m/s", "its callback of /husky0/odometry runs for 0."),
+        ("endless", "drive at 0.1 m/s", "its callback of /husky0/odometry runs for "),
+        ("sleeps", "callbacks return at once", "its callback of /husky0/desired_velocity runs for"),
         ("sometimes", "raises no exception", "callback of /husky0/odometry raised"),
     ],
 )
@@ -181,6 +187,7 @@ def test_the_cause_of_a_wrong_controller_is_named_once(
         "sometimes": "raised",
         "slash-remap": "topic",
         "slash-input": "subscription",
+        **dict.fromkeys(("endless", "sleeps"), "busy"),
     }.get(fault, fault)
     assert words in first["hint"]
     assert first["said"]

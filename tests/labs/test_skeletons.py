@@ -153,8 +153,7 @@ def test_a_skeleton_passes_its_check_when_only_its_todos_are_filled(
 
     checked = cli("lab", "check", lab, f"--{option}", f"{sys.executable} {path}")
 
-    says = "lcmtools lab check: simulates a program: about 10 s, longer if something fails\n"
-    assert (checked.code, checked.err) == (0, says), checked.out
+    assert checked.code == 0, checked.out
 
 
 def test_the_talker_is_heard_by_the_listener_when_both_are_filled(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import lcm
 import pytest
 
-from lcmtools.bus import multicast
+from lcmtools.bus import group_receiver, multicast
 from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
@@ -106,3 +106,25 @@ def test_what_full_buffers_drop_is_counted_though_they_are_empty_when_they_are_l
             assert (lost > 0) == (count == burst)
             assert tap.overflows() - before >= lost
         assert tap.overflows() == before
+
+
+@pytest.mark.usefixtures("private_network", "usual_buffers")
+def test_a_clock_that_was_set_back_keeps_no_message_waiting(
+    monkeypatch: pytest.MonkeyPatch, wait_until: Callable[..., None]
+) -> None:
+    """Datagrams of the future would wait for hours, and be looked at all the time."""
+    url, found = parse_url(_URL), list[int]()
+    with Tap(url, whole=True, spread=True) as tap, sending_socket(url) as sender:
+
+        def has(number: int) -> bool:
+            found.extend(int(p.payload) for p in tap.receive(0.1) if p.channel == "A")
+            return number in found
+
+        for number in range(20):
+            if number == 10:
+                monkeypatch.setattr(group_receiver.time, "time_ns", lambda: 1)
+            data = b"LC02" + number.to_bytes(4, "big") + b"A\0%d" % number
+            sender.sendto(data, (url.host, url.port))
+            wait_until(lambda number=number: has(number))
+        assert not tap._sockets.has_more
+    assert found == [*range(20)]

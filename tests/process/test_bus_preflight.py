@@ -10,7 +10,7 @@ import pytest
 from fixtures.says import assert_says
 
 from lcmtools.bus import kernel
-from lcmtools.bus.channel_socket import ChannelSocket
+from lcmtools.bus.group_receiver import ChannelSocket
 from lcmtools.bus.kernel import receive_buffer_bytes
 from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.multicast import (

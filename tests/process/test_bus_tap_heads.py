@@ -32,7 +32,7 @@ def tap(
     bus_url: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Tap]:
     if not request.param:
-        monkeypatch.setattr("lcmtools.bus.tap.attach", _attach_none)
+        monkeypatch.setattr("lcmtools.bus.group_receiver.attach", _attach_none)
     with Tap(parse_url(bus_url)) as tap:
         yield tap
 
@@ -128,7 +128,7 @@ def _hostile() -> list[bytes]:
 def test_both_ways_see_the_same_of_anything(monkeypatch: pytest.MonkeyPatch) -> None:
     with ExitStack() as stack:
         taps = [stack.enter_context(Tap(_URL))]
-        monkeypatch.setattr("lcmtools.bus.tap.attach", _attach_none)
+        monkeypatch.setattr("lcmtools.bus.group_receiver.attach", _attach_none)
         taps.append(stack.enter_context(Tap(_URL)))
         seen: list[list[Any]] = []
         senders = []

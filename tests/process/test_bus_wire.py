@@ -10,7 +10,7 @@ from itertools import chain, zip_longest
 import lcm
 import pytest
 
-from lcmtools.bus import channel_receiver, group_receiver, multicast
+from lcmtools.bus import group_receiver, multicast
 from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.udp_bus import UdpBus
@@ -197,7 +197,7 @@ def test_a_large_message_comes_through_while_the_sockets_are_divided(
     monkeypatch: pytest.MonkeyPatch, wait_until: WaitUntil
 ) -> None:
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 4_000_000)
-    monkeypatch.setattr(channel_receiver.ChannelReceiver, "largest_together", 1000)
+    monkeypatch.setattr(group_receiver, "_NODES_LARGEST", 1000)
     found: list[bytes] = []
     with closing(UdpBus(parse_url(_URL))) as bus, closing(UdpBus(parse_url(_URL))) as other:
         bus.subscribe(_CHANNEL, lambda payload, _: found.append(payload))

@@ -16,11 +16,17 @@ from fixtures.typist import Typist
 from fixtures.wire import encode_event
 
 from lcmtools import Node
+from lcmtools.bag.writer import LogWriter
+from lcmtools.bus.udp_sender import PACED_ABOVE_BYTES
+from lcmtools.graph.model import Endpoint, Role
+from lcmtools.graph.model import Node as GraphNode
+from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.wire.log_events import packets
-from lcmtools.wire.packet import Packet
+from lcmtools.wire.log_index import RecordedNode
+from lcmtools.wire.packet import Packet, Sender
 
 S = 1_000_000_000
 START = 1_795_000_000 * S
@@ -267,6 +273,9 @@ def test_a_long_wait_for_the_next_message_is_told_once(
     done = cli("bag", "play", path, "--end", "1s", env={"LCM_DEFAULT_URL": bus_url})
     assert done.code == 0
     assert "is due" not in done.err
+    done = cli("bag", "play", path, "--max-gap", "2s", env={"LCM_DEFAULT_URL": bus_url})
+    assert done.code == 0
+    assert_says(done.err, f"skipped {wait}", "3 messages in 0.")
 
 
 def test_playing_waits_for_a_subscriber_of_each_topic(
@@ -275,7 +284,7 @@ def test_playing_waits_for_a_subscriber_of_each_topic(
     done = cli(
         *("bag", "play", ride, "-w", "-x", "/cmd_vel"),
         env={"LCM_DEFAULT_URL": bus_url},
-        until=lambda text: "waiting for subscribers of /odom" in text,
+        until=lambda text: "of /odom; plain LCM programs do not count" in text,
     )
     assert done.code == 130
     start_node(Sleeper)
@@ -368,3 +377,53 @@ def test_nothing_of_the_log_is_meant(cli: Cli, ride: str, words: list[str], said
     done = cli("bag", "play", ride, *words)
     assert done.code in (1, 2)
     assert said in done.err
+
+
+@pytest.fixture
+def map_log(tmp_path: Path) -> str:
+    """A log of 20 s whose node has latched /map at its start, and /odom."""
+    path = tmp_path / "map.lcmlog"
+    end = Endpoint("/map", Role.PUBLISHER, ("nav_msgs/Odometry",), latched=True)
+    said = encode_announcement(Announcement(GraphNode("/maps", "1", "ada", 1, endpoints=(end,))))
+    with LogWriter(path) as writer:
+        sender = writer.sender_number(Sender("127.0.0.1", 1), "/maps")
+        writer.add_node(RecordedNode(START, sender, said))
+        writer.add(Packet("/map", ODOMETRY, START), sender)
+        for tenth in range(200):
+            writer.add(Packet("/odom", ODOMETRY, START + tenth * S // 10), sender)
+    return str(path)
+
+
+class Viewer(Node):
+    """Subscribes to a map."""
+
+    def __init__(self) -> None:
+        super().__init__("viewer")
+        self.maps: list[Odometry] = []
+        self.create_subscription(Odometry, "/map", self.maps.append, 10)
+
+
+def test_a_late_subscriber_gets_what_was_latched(
+    map_log: str,
+    start: Callable[..., Any],
+    start_node: Callable[..., Any],
+    lcmtools_path: str,
+    listener: Listener,
+    wait_until: Callable[..., None],
+) -> None:
+    start(lcmtools_path, "bag", "play", map_log, "-s", "5s")
+    wait_until(lambda: sum(channel == "/odom" for channel, _ in listener.received) > 3)
+    assert listener.received[0] == ("/map", ODOMETRY)
+    late = start_node(Viewer)
+    wait_until(lambda: late.node.maps)
+
+
+@pytest.mark.parametrize("rate", ["1", "0"])
+def test_nothing_overtakes_a_large_message(
+    cli: Cli, log: Callable[..., str], listener: Listener, rate: str
+) -> None:
+    sent = ["/image", *(f"/small{number}" for number in range(5))]
+    payloads = [bytes(PACED_ABOVE_BYTES + 1), *(bytes(8) for _ in sent[1:])]
+    messages = [(topic, 0.0, payload) for topic, payload in zip(sent, payloads, strict=True)]
+    assert cli("bag", "play", log(*messages), "-q", "-r", rate).code == 0
+    assert [channel for channel, _ in listener.received if channel in sent] == sent

@@ -359,12 +359,15 @@ def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
     [
         ("def main(args=None):\n    return undefined\n", "NameError: name 'undefined' is not"),
         ("def main(args=None)\n", "SyntaxError: expected ':'"),
-        ("from lcmtools.types.geometry_msg import Twist\n", "No module named 'lcmtools.types.geo"),
+        (
+            "from lcmtools.types.geometry_msg import Twist\n",
+            "write: from lcmtools.types import geometry_msgs",
+        ),
         ("x = 3\n", "has no function 'main'; write def main(args=None): in it"),
         ("import no_such_module\n", "needs the Python package 'no_such_module', which is not"),
         ("import rospy\n", "imports 'rospy', as in ROS; here it is lcmtools: import lcmtools"),
         ("import nav_msgs.messages\n", "name 'messages' from 'nav_msgs': it has msg, srv, "),
-        ("import lcmtools.types.nav_msgs.msg\n", "; here it is lcmtools.types.nav_msgs\n"),
+        ("import lcmtools.types.nav_msgs.msg\n", ": here it is lcmtools.types.nav_msgs\n"),
     ],
 )
 def test_a_fault_in_ones_own_node_is_shown_where_it_is(

@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 from fixtures.says import assert_line
 
+from lcmtools.messages.registry import message_class
+
 Cli = Callable[..., Any]
 
 TWIST_ZERO = {"linear": {"x": 0.0, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
@@ -65,8 +67,54 @@ def test_once_sends_what_the_values_say_exactly_once(
     type_name: str, values: list[str], message: object, topic: str, receiver: Any, cli: Cli
 ) -> None:
     received = receiver.subscribe(topic, type_name)
-    assert cli("pub", "-1", topic, type_name, *values).ok() == ""
+    result = cli("pub", "-1", topic, type_name, *values)
+    assert (result.code, result.out) == (0, "")
+    assert not result.err or "the last command" in result.err  # of a velocity that is not zero
     assert received() == [message]
+
+
+@pytest.mark.parametrize(
+    ("topic", "words", "said"),
+    [
+        (
+            "/r/cmd_vel",
+            ["-1", "geometry_msgs/Twist", "{linear: {x: 0.5}}"],
+            "linear.x 0.5, and remains in effect until another one comes; to stop: lcmtools",
+        ),
+        (
+            "DRIVE",
+            [
+                "--plain-channel",
+                "-t",
+                "2",
+                "-r",
+                "50",
+                "geometry_msgs/TwistStamped",
+                "twist: {angular: {z: 1}}",
+            ],
+            "to stop: lcmtools pub -1 --plain-channel DRIVE geometry_msgs/TwistStamped '{}'",
+        ),
+        (
+            "/r/wheel_cmd",
+            ["-1", "sensor_msgs/JointState", "{name: [a, b], effort: [1, 0]}"],
+            """sensor_msgs/JointState '{"name":["a","b"],"effort":[0,0]}'""",
+        ),
+        ("/r/cmd_vel", ["-1", "geometry_msgs/Twist"], ""),
+        ("/r/temperature", ["-1", "std_msgs/Float64", "20"], ""),
+    ],
+)
+def test_the_end_tells_of_a_command_that_an_actuator_goes_on_to_obey(
+    topic: str, words: list[str], said: str, receiver: Any, cli: Cli
+) -> None:
+    type_at = next(place for place, word in enumerate(words) if "_msgs/" in word)
+    kind = message_class(words[type_at])
+    receiver.node.create_subscription(kind, topic, lambda _: None, plain_channel=True)
+    err = cli("pub", *words[:type_at], topic, *words[type_at:]).err
+    assert said in err
+    assert bool(err) is bool(said)
+    if said:
+        stop = shlex.split(err.rpartition("to stop: lcmtools ")[2])
+        assert cli(*stop).ok() == ""
 
 
 @pytest.mark.parametrize(

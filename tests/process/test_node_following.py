@@ -9,7 +9,7 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
-from lcmtools.bus.channel_socket import ChannelSocket
+from lcmtools.bus.group_receiver import ChannelSocket
 from lcmtools.bus.kernel import SELECTIVE, marked_sockets
 from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import udp_sockets

@@ -47,6 +47,17 @@ def test_a_program_says_which_of_its_words_names_nothing(run: Start) -> None:
     assert ":=b" not in node.output
 
 
+def test_a_program_says_which_of_its_names_no_node_uses(run: Start) -> None:
+    node = run("chater:=/a", "speed:=3", "/rosout:=/log", "lr=3", "_lr=3", "rosout=b")
+    node.wait_for("'rosout=b'")
+    assert [line.partition("[/own]: ")[2] for line in node.lines if "[WARN]" in line] == [
+        "chater:=/a has no effect: no topic or service here is named 'chater'",
+        "speed:=3 has no effect: no topic or service here is named 'speed'",
+        "'_lr=3' names nothing; did you mean _lr:=3?",
+        "'rosout=b' names nothing; did you mean rosout:=b?",
+    ]
+
+
 def test_a_namespace_given_as_a_parameter_is_told(run: Start) -> None:
     node = run("_ns:=/husky0")
     assert node.wait_for("no parameter").endswith("'ns'; did you mean __ns:= or __name:=?")

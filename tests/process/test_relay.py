@@ -312,6 +312,33 @@ def test_commands_pass_only_where_they_are_named(
     wait_until(lambda: running.link and running.link.ends[0].left_out >= 4)
 
 
+def test_what_needs_an_option_to_pass_is_said_once_with_the_option(
+    urls: Callable[..., str],
+    join: Callable[[str], Bus],
+    start: Callable[..., Any],
+    lcmtools_path: str,
+) -> None:
+    one, other = urls(), urls()
+    program = start(lcmtools_path, "relay", one, other)
+    program.wait_for("carries messages between")
+    here = join(one)
+    for channel in ("/cmd_vel", "/cmd_vel", "/clock", "/other"):
+        here.publish(channel, b"12345678")
+    program.wait_for("leaves out /cmd_vel; to pass it: --allow '**' --allow /cmd_vel")
+    program.send_signal(signal.SIGINT)
+    program.wait()
+    printed = program.output
+    assert printed.count("leaves out") <= 2
+    assert "left out by its rules" in printed.rpartition("none lost, ")[2]
+
+
+def test_an_allowed_name_alone_says_that_nothing_else_passes(
+    urls: Callable[..., str], start: Callable[..., Any], lcmtools_path: str
+) -> None:
+    program = start(lcmtools_path, "relay", urls(), urls(), "--allow", "CMD")
+    program.wait_for("only CMD can pass; --allow '**' passes the other topics, too")
+
+
 def test_one_way_lets_nothing_back(
     relay: Callable[..., RunningRelay],
     urls: Callable[..., str],

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from lcmtools import message_class
-from lcmtools.doctor.type_versions import other_version
 from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import candidates, fingerprint, means_type, type_name, type_names
+from lcmtools.messages.type_versions import other_version
 
 Family = Callable[[str], Path]
 Cli = Callable[..., Any]

@@ -42,9 +42,9 @@ def test_length_fields_are_set_from_the_arrays(message: Any) -> None:
     ("name", "fields", "fault"),
     [
         ("sensor_msgs/CameraInfo", {"K": [1.0]}, "K: expected 9 elements, got 1"),
-        ("rows_t", {"cells": [[1, 2], [3]]}, "cells: has 1 elements where cells has 2"),
-        ("rows_t", {"id": b"abc"}, "id: expected 16 elements, got 3"),
-        ("rows_t", {"names": ["a", "b", "c"]}, "names: expected 2 elements, got 3"),
+        ("rows_t", {"cells": [[1, 2], [3]]}, "cells: its rows differ in length: 2 and 1"),
+        ("rows_t", {"id": b"abc"}, "id: expected 16 numbers, got 3"),
+        ("rows_t", {"names": ["a", "b", "c"]}, "names: expected 2 strings, got 3"),
         ("rows_t", {"a": [1, 2], "b": [1.0]}, "b: has 1 elements where a has 2"),
     ],
 )

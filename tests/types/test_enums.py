@@ -153,6 +153,16 @@ def test_python_code_may_use_names_numbers_and_values() -> None:
     assert fingerprint(cls) == int.from_bytes(payload[:8], "big")
 
 
+def test_received_arrays_have_values_with_names() -> None:
+    cls = lcmtools.message_class("rover/lists_t")
+    back: Any = decode(cls, encode(made("rover/lists_t", LISTS)))
+    assert [str(back.fixed), str(back.varied)] == ["[RUN, FAST]", "[IDLE, RUN, 5]"]
+    assert (back.fixed[0] == "RUN", back.varied[0] == type(back.fixed[0]).IDLE) == (True, True)
+    assert "grid=[[LOW, LOW, LOW], [HIGH, HIGH, HIGH]]" in repr(back)
+    assert lcmtools.to_dict(back) == LISTS
+    assert encode(back) == encode(made("rover/lists_t", LISTS)) == back.encode()
+
+
 @pytest.mark.parametrize(
     ("expression", "matches"),
     [

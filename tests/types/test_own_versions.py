@@ -8,9 +8,9 @@ from fixtures.judging import findings
 
 from lcmtools import message_class
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.type_versions import added_and_missing, fingerprint_of
 from lcmtools.graph.model import Endpoint, Node, Role, Traffic
 from lcmtools.messages.fields import Field, fields
+from lcmtools.messages.type_versions import added_and_missing, fingerprint_of
 from lcmtools.wire.packet import Sender
 
 Family = Callable[[str], Path]

@@ -16,7 +16,7 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.enums import EnumValue
 from lcmtools.messages.fields import fields, visible_fields
 from lcmtools.messages.registry import default_registry, fingerprint, message_class
-from lcmtools.packages.own_message import OwnMessage, find_class
+from lcmtools.packages.type_classes import OwnMessage, find_class
 
 Family = Callable[[str], Path]
 HERE = Path(__file__).parent

@@ -182,18 +182,54 @@ def test_wtf_says_how_versions_differ(family: Family) -> None:
         )
 
 
-def test_versions_of_a_file_beside_that_of_the_first(tmp_path: Path) -> None:
-    from lcmtools.packages.versions import version_place
+POSES = {
+    "a/pose_t.lcm": "struct pose_t { double x; }",
+    "b/pose_t.lcm": "struct pose_t { float x; }",
+    "b/deep/pose_t.lcm": "struct pose_t { int8_t x; }",
+    "c.lcm": "struct pose_t { int16_t x; } struct state_t { pose_t pose; }",
+}
+STATE = "struct state_t { pose_t pose; }"
 
-    cases = {
-        ("new/a.lcm", "old/a.lcm"): "old",
-        ("a.lcm", "third/party/a.lcm"): "third",
-        ("third/party/a.lcm", "a.lcm"): ".",
-        ("a.lcm", "b.lcm"): "b.lcm",
-        ("x/new/a.lcm", "x/old/deep/a.lcm"): "x/old",
-    }
-    for (first, file), place in cases.items():
-        assert version_place(tmp_path / file, tmp_path / first) == tmp_path / place
+
+@pytest.mark.parametrize(
+    ("file", "kind"),
+    [
+        ("a/state_t.lcm", "float64"),
+        ("b/state_t.lcm", "float32"),
+        ("b/other/state_t.lcm", "float32"),
+        ("b/deep/state_t.lcm", "int8"),
+        ("c.lcm", "int16"),
+    ],
+)
+def test_a_field_has_the_version_nearest_to_its_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, file: str, kind: str
+) -> None:
+    for name, text in ({file: STATE} | POSES).items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(f"package rover;\n{text}\n")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    provide_user_types()
+    known = default_registry().versions("rover/state_t")
+    number = next(one for one, path in known.items() if path == str(tmp_path / file))
+    state = message_class("rover/state_t", number)
+    pose = fields(state)[0].message_class
+    assert pose is not None
+    assert fields(pose)[0].type == kind
+
+
+def test_equal_types_of_several_files_are_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "x.lcm").write_text(f"package rover;\n{POSES['c.lcm']}\n")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    provide_user_types()
+    assert list(default_registry().versions("rover/state_t").values()) == [
+        str(tmp_path / "a/x.lcm")
+    ]
+    state = message_class("rover/state_t")
+    assert fields(state)[0].message_class is message_class("rover/pose_t")
 
 
 def test_json_of_both_names_both(family: Family, cli: Cli, log_of: Callable[..., str]) -> None:

@@ -7,9 +7,8 @@ from typing import Any
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import LogSummary, summarize
 from lcmtools.bag.surgery import write_log
-from lcmtools.bag.times import LogTime, parse_time
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
-from lcmtools.cli.options import json_option
+from lcmtools.cli.options import json_option, log_time
 from lcmtools.cli.output import progress, results_beside, write_result
 from lcmtools.errors import UsageError
 from lcmtools.observe.reading.log_file import LogFile
@@ -22,6 +21,9 @@ places = together(
 )
 force_option = flag("--force", help="Overwrite an existing file.")
 made_options = together(force_option, json_option)
+stamp_option = flag(
+    "--by-stamp", help="Use the times in the messages, instead of those of recording."
+)
 topics_option = option(
     "-t",
     "--topics",
@@ -42,13 +44,9 @@ exclude_option = option(
 )
 
 
-def _time(text: str | LogTime) -> LogTime:
-    return text if isinstance(text, LogTime) else parse_time(text)
-
-
 def time_option(*names: str, text: str) -> Callable[[CommandT], CommandT]:
     """Return an option whose value is a time within a log."""
-    return option(*names, metavar="TIME", type=_time, help=text)
+    return option(*names, metavar="TIME", type=log_time, help=text)
 
 
 window_options = together(

@@ -4,24 +4,29 @@ from pathlib import Path
 
 import click
 
-from lcmtools.bag import edits
+from lcmtools.bag import edits, stamps
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.export import FORMATS, export, format_of
+from lcmtools.bag.latched import part_of
 from lcmtools.bag.ros_bags import Compression
 from lcmtools.bag.ros_import import RosImport
-from lcmtools.bag.summary import known_nodes, log_span
-from lcmtools.bag.times import LogTime, time_window
+from lcmtools.bag.summary import known_nodes
+from lcmtools.bag.text_import import SUFFIXES, text_packets
+from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
     made_options,
     places,
+    stamp_option,
     topic_choice,
     topics_option,
     window_options,
     write,
 )
+from lcmtools.cli.bus import notify
 from lcmtools.cli.declare import examples, option, subcommand
 from lcmtools.cli.output import results_beside, write_note, write_result
+from lcmtools.errors import UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
@@ -42,6 +47,7 @@ from lcmtools.wire.packet import Packet
 @topics_option
 @exclude_option
 @window_options
+@stamp_option
 @option(
     "--compress",
     type=click.Choice(["zstd", "lz4", "none"]),
@@ -57,6 +63,7 @@ def export_(
     excluded: tuple[str, ...],
     start: LogTime | None,
     end: LogTime | None,
+    by_stamp: bool,
     compress: Compression,
     force: bool,
     as_json: bool,
@@ -69,11 +76,10 @@ def export_(
     them. The exit code is 1 if messages cannot be written, 2 if none can.
     """
     meant = format_of(Path(target), format_)
-    with LogFile(source) as log:
-        found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
+    with stamps.by_stamp([source], wanted=by_stamp) as (path,), LogFile(path) as log:
+        _, found = part_of(log, start, end, notify=notify)
+        found = edits.chosen(found, topic_choice(log, wanted, excluded))
         found = found if wanted else edits.visible(found)
-        if start or end:
-            found = edits.between(found, *time_window(log_span(log), start, end))
         decoder = Decoder(known_nodes(log).types_of)
         done = export(
             found,
@@ -99,24 +105,41 @@ def export_(
     "bag import ride.bag ride.lcmlog",
     "bag import rosbag2_folder ride.lcmlog",
     "bag import ride.mcap scans.lcmlog -t '/*/scan'",
+    "bag import ride.jsonl ride.lcmlog",
+    "bag import odometry.csv ride.lcmlog --type nav_msgs/Odometry --as /odometry",
 )
 @places
+@option("--type", "type_", metavar="TYPE", help="The type of the values in a CSV file.")
+@option("--as", "topic", metavar="TOPIC", help="The topic of a CSV file, or of all JSON lines.")
 @topics_option
 @exclude_option
 def import_(
     source: str,
     target: str,
     *,
+    type_: str | None,
+    topic: str | None,
     wanted: tuple[str, ...],
     excluded: tuple[str, ...],
     force: bool,
     as_json: bool,
 ) -> int:
-    """Convert a ROS 1 or ROS 2 bag or an MCAP file to a log.
+    """Convert a ROS 1 or ROS 2 bag, an MCAP file, JSON lines or values to a log.
 
+    JSON lines (.jsonl) and comma-separated values (.csv) are those of bag export.
     An unknown type is translated from the bag's own definition, which the log keeps. The exit code
     is 1 if messages are left out or numbers changed, 2 if nothing is imported.
     """
+    if Path(source).suffix in SUFFIXES:
+        left_out: list[str] = []
+        found_lines = text_packets(Path(source), type_, topic, left_out.append)
+        lines = edits.chosen(found_lines, TopicChoice(wanted, excluded))
+        write(target, lines, force=force, as_json=as_json, more=lambda: {"left_out": left_out})
+        for text in left_out:
+            write_note(text)
+        return 1 if left_out else 0
+    if type_ or topic:
+        raise UsageError("--type and --as are for .csv and .jsonl", "leave them out")
     reading = RosImport()
     found = reading.read(Path(source), TopicChoice(wanted, excluded))
     packets = (Packet(one.topic, encode(one.message), one.time) for one in found)

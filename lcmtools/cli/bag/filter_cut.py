@@ -1,8 +1,10 @@
 """``lcmtools bag filter``, ``cut`` and ``downsample``: fewer messages."""
 
 from lcmtools.bag import edits
-from lcmtools.bag.summary import known_nodes, log_span
-from lcmtools.bag.times import LogTime, time_window
+from lcmtools.bag.edits import TopicChoice
+from lcmtools.bag.latched import LatchedTopics, part_of
+from lcmtools.bag.summary import known_nodes
+from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
     made_options,
@@ -12,7 +14,8 @@ from lcmtools.cli.bag.common import (
     window_options,
     write,
 )
-from lcmtools.cli.declare import argument, examples, option, rate, subcommand, whole_number
+from lcmtools.cli.bus import notify
+from lcmtools.cli.declare import argument, examples, flag, option, rate, subcommand, whole_number
 from lcmtools.cli.declare import duration as time_span
 from lcmtools.errors import UsageError
 from lcmtools.messages.filter import Filter
@@ -25,17 +28,20 @@ _Topics = tuple[str, ...]
 @examples(
     "bag filter ride.lcmlog out.lcmlog 'm.pose.pose.position.x > 1' -t /husky0/odometry",
     "bag filter ride.lcmlog out.lcmlog -x '**/image' -s 10s -e end-1m",
+    "bag filter ride.lcmlog out.lcmlog /cmd_vel 'm.linear.x > 0' --keep-others",
 )
 @places
-@argument("expression", metavar="[EXPR]", required=False)
+@argument("words", metavar="[[TOPIC] EXPR]", nargs=-1)
+@flag("--keep-others", help="Keep the messages of all topics without a condition.")
 @topics_option
 @exclude_option
 @window_options
 def filter_(
     source: str,
     target: str,
-    expression: str | None,
+    words: tuple[str, ...],
     *,
+    keep_others: bool,
     wanted: _Topics,
     excluded: _Topics,
     start: LogTime | None,
@@ -46,16 +52,26 @@ def filter_(
     """Write the messages that meet a condition to another log.
 
     EXPR is an expression as in echo --filter: m is the message. It must fit every selected topic,
-    so select topics with -t. A message that cannot be decoded does not match.
+    so name the TOPIC before it, or select topics with -t. With --keep-others it is a condition for
+    these, and all other topics are kept. A message that cannot be decoded does not match.
     """
+    *topics, expression = words or ("",)
+    if len(topics) > 1:
+        hint = "write TOPIC EXPR, or -t for each of several topics"
+        raise UsageError(f"too many arguments: {topics[1]}", hint)
+    judged = TopicChoice((*wanted, *topics))
+    if keep_others and not (judged.wanted and expression):
+        raise UsageError(
+            "--keep-others keeps the topics without a condition", "name a topic and its condition"
+        )
     condition = Filter(expression) if expression else None
+    wanted = () if keep_others else tuple(judged.wanted)
     with LogFile(source) as log:
-        found = edits.chosen(log.packets(), topic_choice(log, wanted, excluded))
-        span = time_window(log_span(log), start, end) if start or end else None
-        if span:
-            found = edits.between(found, *span)
+        span, found = part_of(log, start, end, notify=notify)
+        found = edits.chosen(found, topic_choice(log, wanted, excluded))
         if condition:
-            found = edits.matching(found, condition, known_nodes(log).types_of)
+            only = topic_choice(log, tuple(judged.wanted), ()) if keep_others else None
+            found = edits.matching(found, condition, known_nodes(log).types_of, only)
         write(target, found, log, force=force, as_json=as_json, between=span)
 
 
@@ -76,9 +92,8 @@ def cut(
 ) -> None:
     """Write the part of a log between two times to another log."""
     with LogFile(source) as log:
-        first, last = time_window(log_span(log), start, end, duration=duration)
-        found = edits.between(log.packets(log.offset_at(first)), first, last)
-        write(target, found, log, force=force, as_json=as_json, between=(first, last))
+        span, found = part_of(log, start, end, duration=duration, notify=notify)
+        write(target, found, log, force=force, as_json=as_json, between=span)
 
 
 @subcommand("downsample", made_options)
@@ -86,6 +101,7 @@ def cut(
 @places
 @topics_option
 @exclude_option
+@window_options
 @option("-r", "--rate", "most", type=rate, help="Maximum rate of each topic [Hz].")
 @option("--every", metavar="N", type=whole_number(1), help="Keep every N-th message of each topic.")
 def downsample(
@@ -94,15 +110,24 @@ def downsample(
     *,
     wanted: _Topics,
     excluded: _Topics,
+    start: LogTime | None,
+    end: LogTime | None,
     most: float | None,
     every: int | None,
     force: bool,
     as_json: bool,
 ) -> None:
-    """Reduce the rate of topics; other topics are copied unchanged."""
+    """Reduce the rate of topics; other topics are copied unchanged.
+
+    Latched topics are reduced only if -t names them.
+    """
     if not (most or every):
         raise UsageError("the new rate is missing", "add --rate or --every")
     with LogFile(source) as log:
+        span, found = part_of(log, start, end, notify=notify)
         topics = topic_choice(log, wanted, excluded)
-        found = edits.thinned(log.packets(), topics, every=every or 1, rate=most or 0.0)
-        write(target, found, log, force=force, as_json=as_json)
+        if not wanted:  # each message of a latched topic is its state from then on
+            latched = sorted(LatchedTopics(log.announcements()).ever())
+            topics = TopicChoice((), (*topics.excluded, *latched))
+        found = edits.thinned(found, topics, every=every or 1, rate=most or 0.0)
+        write(target, found, log, force=force, as_json=as_json, between=span)

@@ -4,7 +4,8 @@ from contextlib import ExitStack
 
 from lcmtools.bag import edits
 from lcmtools.bag.repair import damage_rows, find_damage
-from lcmtools.cli.bag.common import made_options, places, write
+from lcmtools.bag.stamps import StampedLog
+from lcmtools.cli.bag.common import made_options, places, stamp_option, write
 from lcmtools.cli.declare import argument, examples, option, subcommand
 from lcmtools.cli.output import write_lines, write_note
 from lcmtools.observe.reading.log_file import LogFile
@@ -26,12 +27,22 @@ def merge(files: tuple[str, ...], *, target: str, force: bool, as_json: bool) ->
 
 
 @subcommand("sort", made_options)
-@examples("bag sort mixed.lcmlog sorted.lcmlog", "bag sort ride.lcmlog ride.lcmlog --force")
+@examples("bag sort mixed.lcmlog sorted.lcmlog", "bag sort a.lcmlog b.lcmlog --by-stamp")
 @places
-def sort(source: str, target: str, *, force: bool, as_json: bool) -> None:
-    """Sort messages by time; messages with the same time keep their order."""
+@stamp_option
+def sort(source: str, target: str, *, by_stamp: bool, force: bool, as_json: bool) -> None:
+    """Sort messages by time; messages with the same time keep their order.
+
+    With --by-stamp the result has the times in the messages. A message without a time in it is
+    moved as the one before it.
+    """
     with LogFile(source) as log:
-        write(target, edits.in_order(log), log, force=force, as_json=as_json)
+        if by_stamp:
+            stamped = StampedLog(log)
+            found, later = stamped.packets(), stamped.later
+        else:
+            found, later = edits.in_order(log), 0
+        write(target, found, log, force=force, as_json=as_json, later=later)
 
 
 @subcommand("fix", made_options)

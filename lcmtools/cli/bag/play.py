@@ -1,16 +1,24 @@
 """``lcmtools bag play``."""
 
+import math
 from collections.abc import Callable
 
 import click
 
+from lcmtools.bag import stamps
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.play import Manner, play
 from lcmtools.bag.player import Position
 from lcmtools.bag.player_keys import KEYS_HELP
 from lcmtools.bag.playlist import Choice
 from lcmtools.bag.times import LogTime
-from lcmtools.cli.bag.common import exclude_option, refuse_no_files, topics_option, window_options
+from lcmtools.cli.bag.common import (
+    exclude_option,
+    refuse_no_files,
+    stamp_option,
+    topics_option,
+    window_options,
+)
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import bus_choice, bus_options, names_options
@@ -51,13 +59,15 @@ def _rate(value: str | float) -> float:
 @flag("-l", "--loop", help="Start again at the end.")
 @topics_option
 @exclude_option
+@stamp_option
 @flag("--clock", help="Publish the log's time on /clock, for nodes on simulated time.")
 @flag(
     "-w",
     "--wait-subscribers",
     "--wait-for-subscribers",
-    help="Wait until each topic has a subscriber.",
+    help="Wait until a node subscribes to each topic; plain LCM programs do not count.",
 )
+@option("--max-gap", "most_gap", type=duration, help="Skip longer times without messages.")
 @flag("-p", "--pause", help="Start paused.")
 @flag("--force", help="Play even if another program publishes, or a robot would obey.")
 @flag("-q", "--quiet", help="Show no progress.")
@@ -71,8 +81,10 @@ def command(
     loop: bool,
     wanted: tuple[str, ...],
     excluded: tuple[str, ...],
+    by_stamp: bool,
     clock: bool,
     wait_subscribers: bool,
+    most_gap: float | None,
     pause: bool,
     force: bool,
     quiet: bool,
@@ -88,8 +100,9 @@ def command(
     one: a node that subscribes to commands, or a simulator. --force plays anyway; at a pause and at
     the end it then sends zero if the last command was a velocity or an effort.
 
-    Keys: SPACE pauses and resumes, . or s plays one message, left and right seek 5 s, [ and ] a
-    minute, up and down double and halve the rate, 0 to 9 jump to that tenth of the log, q ends.
+    Keys: SPACE pauses and resumes, . or s plays one message, n skips to the next one, left and
+    right seek 5 s, [ and ] a minute, up and down double and halve the rate, 0 to 9 jump to that
+    tenth of the log, q ends.
     """
     if pause and not has_keys():
         raise UsageError("--pause needs a terminal, because only a key resumes", "leave it out")
@@ -107,10 +120,15 @@ def command(
         clock=clock,
         waits=wait_subscribers,
         force=force,
+        typed=(*files, *["--by-stamp"] * by_stamp),
+        most_gap=math.inf if most_gap is None else most_gap,
     )
-    with StatusLine("lcmtools bag play", is_quiet=quiet) as line:
+    with (
+        StatusLine("lcmtools bag play", is_quiet=quiet) as line,
+        stamps.by_stamp(files, wanted=by_stamp) as paths,
+    ):
         show = _position_shower(line)
-        result = play(files, chosen_url(), choice, manner, notify=line.write_note, on_position=show)
+        result = play(paths, chosen_url(), choice, manner, notify=line.write_note, on_position=show)
         line.write_note_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lcmtools.cli.bus import chosen_log, notify, open_monitor
+from lcmtools.cli.bus import chosen_logs, notify, open_monitor
 from lcmtools.cli.declare import CommandT, flag, option, together
 from lcmtools.cli.options import bag_option, bus_options, json_option, names_options
 from lcmtools.cli.output import write_document, write_note
@@ -140,10 +140,10 @@ def _opened_source(limits: "SpeedLimits | None", directory: Path) -> "Iterator[S
     """Open the log or the bus that the command line selects."""
     with ExitStack() as stack:
         source: Source
-        if (log := chosen_log()) is not None:
+        if logs := chosen_logs():
             from lcmtools.gui.log_source import LogSource
 
-            source = LogSource(log, notify)
+            source = LogSource(*logs, notify=notify)
         else:
             from lcmtools.gui.source import BusSource
             from lcmtools.gui.steering import SpeedLimits

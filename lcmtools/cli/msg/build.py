@@ -27,7 +27,7 @@ def build(folder: str | None, *, as_json: bool) -> int:
     This step is optional, because types are compiled when they are first used. The exit code is 1
     if there are errors.
     """
-    chosen = [Path(folder).absolute()] if folder else user_types().near_folders()
+    chosen = [Path(folder).absolute()] if folder else user_types().workspace_folders()
     if folder and not chosen[0].is_dir():
         raise UsageError(f"there is no folder {folder}")
     if not chosen:

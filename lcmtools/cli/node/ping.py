@@ -51,10 +51,16 @@ def _ping_one(
     if not as_json:
         write_data(f"pinging {node.name} with a timeout of {timeout}s")
     try:
-        for seconds in islice(pings(monitor, node, timeout), count):
+        run = node.id
+        for found, seconds in islice(pings(monitor, node, timeout), count):
             times.append(seconds)
+            if found.id != run:
+                run = found.id
+                write_note(
+                    f"{node.name} was started anew, with pid {found.pid}", "lcmtools node ping"
+                )
             if not as_json:
-                write_lines([ping_reply(node, seconds)])
+                write_lines([ping_reply(found, seconds)])
     finally:
         if as_json:
             average = sum(times) / len(times) if times else None

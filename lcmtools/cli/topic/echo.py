@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from lcmtools.cli.bus import chosen_log, looking_names, notify, notify_damage, open_monitor
+from lcmtools.cli.bus import chosen_logs, looking_names, notify, notify_damage, open_monitor
 from lcmtools.cli.declare import (
     argument,
     duration,
@@ -30,7 +30,7 @@ from lcmtools.messages.text import Writer
 from lcmtools.observe.formatter import DisplayOptions, Form, MessageFormatter
 from lcmtools.observe.reading.arrivals import TOGETHER, ArrivalStream, taken, taken_together
 from lcmtools.observe.reading.decoding import Decoder
-from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.logs import Logs
 from lcmtools.observe.reading.selection import select_topics
 from lcmtools.packages import provide_recorded_types
 
@@ -104,7 +104,7 @@ def command(
     TOPIC may end in a field path, or be a pattern: * is any characters but /, ** any. In --filter,
     m is the message. TYPE is needed only if two types have the same fields.
     """
-    if shown["offset"] and chosen_log() is not None:
+    if shown["offset"] and chosen_logs():
         raise UsageError(
             "--offset is relative to the current time, which a log does not have",
             "leave out --offset",
@@ -126,7 +126,7 @@ def command(
         decoder = Decoder(monitor.types_of, named, exact=exact, keep_stray=True)
         formatter = MessageFormatter(decoder, options, lambda: stream.is_one_of_many, notify)
         count, most = (1 if once else count), (1 if once or count else TOGETHER)
-        if monitor.log and options.form == "csv":  # its columns are those of all messages
+        if monitor.logs and options.form == "csv":  # its columns are those of all messages
             deque(islice(taken(stream, formatter.learn_columns, timeout), count), maxlen=0)
             monitor.rewind()
             stream = ArrivalStream(monitor, meant, names)
@@ -138,15 +138,15 @@ def command(
 
 
 def _topics_and_type(words: tuple[str, ...], *, all_topics: bool) -> tuple[tuple[str, ...], str]:
-    if all_topics and chosen_log() is None:
+    if all_topics and not chosen_logs():
         raise UsageError("--all is for logs", "name one with -b, or echo '**'")
     if all_topics and words:
         raise UsageError("--all shows all topics", "leave out --all, or the topic")
     if not (words or all_topics):
         raise click.MissingParameter(param_hint="'TOPIC'", param_type="argument")
-    if len(words) > 1 and (log := chosen_log()) is not None:
-        with LogFile(log) as file:  # it may have stored the type
-            provide_recorded_types(file.index.types.values())
+    if len(words) > 1 and (paths := chosen_logs()):
+        with Logs(paths) as logs:  # they may have stored the type
+            provide_recorded_types(logs.types())
     if len(words) > 1 and means_type(words[-1]):
         return words[:-1], words[-1]
     return words or (_ALL_TOPICS,), ""

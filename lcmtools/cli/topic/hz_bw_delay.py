@@ -74,7 +74,15 @@ measuring_options = together(
 )
 @measured_topics(least=2, usual=50_000)
 @option("--filter", "condition", metavar="EXPR", help="Count only messages for which this is true.")
-def hz(topics: tuple[str, ...], *, window: int, condition: str | None, **ending: Any) -> None:  # noqa: ANN401 - of ``measure``
+@flag("--by-stamp", help="Use the times in the messages, instead of those of arrival.")
+def hz(
+    topics: tuple[str, ...],
+    *,
+    window: int,
+    condition: str | None,
+    by_stamp: bool,
+    **ending: Any,  # noqa: ANN401 - of ``measure``
+) -> None:
     """Measure the rate of topics; report once a second until Ctrl-C.
 
     Times of arrival are the kernel's, or simulated time if a simulator publishes /clock. The type
@@ -82,9 +90,11 @@ def hz(topics: tuple[str, ...], *, window: int, condition: str | None, **ending:
     """
     wanted = Filter(condition) if condition is not None else None
     windows: Windows[int] = defaultdict(partial(RateWindow, window))
-    with open_monitor("hz", whole=condition is not None) as monitor:
+    with open_monitor("hz", whole=condition is not None or by_stamp) as monitor:
+        stamps = Delays(Decoder(monitor.types_of), notify)
+        time = stamps.time if by_stamp else attrgetter("time")
         try:
-            measure(monitor, topics, windows, attrgetter("time"), RATE, condition=wanted, **ending)
+            measure(monitor, topics, windows, time, RATE, condition=wanted, **ending)
         finally:
             for sentence in lossy_senders(monitor, tuple(windows), looking_names()):
                 notify(sentence)

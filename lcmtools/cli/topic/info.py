@@ -18,16 +18,20 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     """Show a topic's type, publishers and subscribers: node, host and process.
 
     Counters for each: messages, bytes, messages dropped from a full queue, queue depth, rate, and
-    time of the last message. For plain LCM programs these are observed values. For publishers also
-    the number of messages lost on the way here, by sequence numbers. TOPIC may be a pattern.
+    time of the last message. For plain LCM programs these are observed values; those that listen
+    are named, for their channels are not seen. For publishers also the number of messages lost on
+    the way here, by sequence numbers. TOPIC may be a pattern.
     """
     names = looking_names()
     with open_monitor("info") as monitor:
+        from lcmtools.observe.reading.senders import listening_programs
+
         graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
+        listeners = listening_programs(graph, monitor.url)
     found = selected_topics(graph, topics, names)
     if as_json:
-        write_document([topic_report.record(topic, counters) for topic in found])
+        write_document([topic_report.record(topic, counters, listeners) for topic in found])
         return
     for topic in found:
         write_lines([f"Topic: {topic.name}"] if len(found) > 1 else [])
-        write_lines(topic_report.rows(topic, counters, verbose=verbose))
+        write_lines(topic_report.rows(topic, counters, listeners, verbose=verbose))

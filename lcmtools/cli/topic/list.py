@@ -2,12 +2,12 @@
 
 from lcmtools.cli.bus import looking_pattern, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
-from lcmtools.cli.options import all_option, json_option, looking_options
+from lcmtools.cli.options import all_option, json_option, looking_options_of_list
 from lcmtools.cli.output import write_data, write_result
 from lcmtools.errors import UsageError
 
 
-@subcommand("list", all_option, json_option, looking_options)
+@subcommand("list", all_option, json_option, looking_options_of_list)
 @examples("list", "list -t /husky0", "list --hz '*/odometry'")
 @argument("namespace", default="", completer="bus:namespaces")
 @flag("-v", "--verbose", help="Show types and counts, as rostopic list -v.")

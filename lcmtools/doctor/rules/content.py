@@ -8,9 +8,11 @@ from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Oddity
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.shared import DECODED, SET_CLOCKS
-from lcmtools.observe.simulators import publishes_time
+from lcmtools.observe.actuators import JOINTS, unattended_commands
+from lcmtools.observe.simulators import publishes_time, silence
 
 _LOG = "file://"
+_FRESH = 1_000_000_000  # [ns] since a command: a robot with a timeout may still roll
 _ODDITY = {"oddity": "{topic} from {sender}: {text}{messages:count}"}
 
 
@@ -143,6 +145,42 @@ def logs_are_whole(evidence: Evidence) -> Iterator[Finding]:
         log = evidence.url.removeprefix(_LOG)
         title = state("damaged-log", log=log, bytes=evidence.damaged_bytes)
         yield from finding(title, None, state("fix-log", log=quote(log)))
+
+
+@rule(
+    "driven-by-nobody",
+    remedy="stop it: lcmtools pub -1 TOPIC TYPE",
+    title="Robots drive by a command of a program that has ended:",
+    facts={
+        "drives-on": "{node} {text}, by {topic}, which nobody publishes any more; the last"
+        " command came {seconds:time} ago"
+    },
+    remedies={
+        "send-zeros": "publish zeros: `lcmtools pub -1 {topic} {type}`",
+        "zero-joints": "publish zeros for all joints on {topic}, or start its controller again",
+    },
+    evidence="announcements; " + DECODED,
+)
+def robots_are_commanded(evidence: Evidence) -> Iterator[Finding]:
+    """A robot that drives is commanded by a program that runs.
+
+    A robot without a timeout obeys the last velocity or effort until another one comes, also if the
+    program that sent it was killed or has ended. Only robots that are nodes and publish their
+    odometry beside the command are found.
+    """
+    sent = {stream.channel for stream in evidence.streams if not stream.has_ended}
+    drives = {odd.topic: odd.text for odd in evidence.oddities if odd.kind == "drives"}
+    facts, remedies = {}, {}
+    for node, end, odometry in unattended_commands(evidence.graph):
+        age = silence(node, end, evidence.graph.time)
+        if odometry in drives and end.topic not in sent and age > _FRESH:
+            text, seconds = drives[odometry], age / 1e9
+            facts[end.topic] = state(
+                "drives-on", node=node, text=text, topic=end.topic, seconds=seconds
+            )
+            kind = "zero-joints" if end.type == JOINTS else "send-zeros"
+            remedies[end.topic] = state(kind, topic=quote(end.topic), type=end.type)
+    yield from finding("driven-by-nobody", facts.values(), *remedies.values())
 
 
 def _clocks(evidence: Evidence, kind: str) -> list[Statement]:

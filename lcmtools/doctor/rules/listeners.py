@@ -138,6 +138,29 @@ def messages_fit_buffers(evidence: Evidence) -> Iterator[Finding]:
 
 
 @rule(
+    "refused-filters",
+    remedy="sudo sysctl -w net.core.optmem_max=131072",
+    severity=Severity.NOTE,
+    title="The kernel refused the filters of the following, which receive everything and discard"
+    " most of it:",
+    facts={"unfiltered": "{listener}"},
+    remedies=_SYSCTL,
+    evidence="the marks of sockets of lcmtools, the kernel's settings",
+    root_only="the names of other users' programs",
+)
+def filters_are_accepted(evidence: Evidence) -> Iterator[Finding]:
+    """The kernel drops for each node the messages that it does not subscribe to.
+
+    Without a filter a node hears all the same, but has to look at each message of the bus. Kernels
+    before about Linux 6.7 have little memory for the filter of a node with many subscriptions.
+    """
+    known = {x.name: x for x in evidence.listeners if x.is_unfiltered}
+    facts = (state("unfiltered", listener=x) for x in known.values())
+    remedy = state("sysctl", name="net.core.optmem_max", value=131_072)
+    return finding("refused-filters", facts, remedy)
+
+
+@rule(
     "interfaces",
     remedy="restart the listeners, or pin the route: ip route add 224.0.0.0/4 dev X",
     title="The route to the bus leads to {interface}, but programs listen elsewhere:",

@@ -18,7 +18,6 @@ from lcmtools.doctor.findings import (
     subject,
 )
 from lcmtools.doctor.rules.shared import simulator_ids
-from lcmtools.doctor.type_versions import added_and_missing, other_version, own_types_like
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.messages.registry import (
     candidates,
@@ -29,13 +28,18 @@ from lcmtools.messages.registry import (
     type_names,
     versioned,
 )
+from lcmtools.messages.type_versions import (
+    added_and_missing,
+    may_be_fingerprint,
+    other_version,
+    own_types_like,
+)
 from lcmtools.names import is_hidden, is_of_lcm
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.senders import UNKNOWN
 from lcmtools.wire.packet import Sender
 
 _BITS = (1 << 64) - 1
-_MOST_ZEROS = 3  # bytes in the hash that a fingerprint is
 _NO_TYPE = -1  # instead of a fingerprint, if there is none or it changes with each message
 _SAME_LCM_FILES = {
     "same-lcm-files": "generate the code of both sides from the same .lcm files: lcm-gen",
@@ -157,7 +161,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
         unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
-            is_hash = any(map(_may_be_fingerprint, seen.fingerprints))
+            is_hash = any(map(may_be_fingerprint, seen.fingerprints))
             if (is_hash or likely) and known.isdisjoint(seen.fingerprints):
                 sender = _sender(seen, sender_names(evidence))
                 unknown_ones[_sent_by(seen)[0], likely].append(sender)
@@ -235,10 +239,11 @@ def _diagnosis(
     usual = max(weights, key=lambda number: weights[number], default=_NO_TYPE)
     is_usual = 2 * weights[usual] > sum(user.weight for user in users)
     odd = [user for user in users if is_usual and usual not in user.fingerprints]
-    others = [user for user in users if user not in odd]
+    not_usual = {user.subject for user in odd}  # also beside itself, with several types
+    others = [user for user in users if user.subject not in not_usual]
     types = tuple(_possible(usual, topic)[:1])
     remedies: list[Statement | str] = ["same-lcm-files", "type-path"] if unknown else []
-    if odd and types:
+    if odd and types and others:
         known = {"senders": [u.subject for u in odd], "programs": [u.subject for u in others]}
         facts.append(state("odd-type", types=types, **known))
         remedies += [user.remedy(topic.name, types) for user in odd]
@@ -331,18 +336,13 @@ def _expected(topic: Topic) -> Iterator[str]:
     yield from own_types_like(topic.name)
 
 
-def _may_be_fingerprint(number: int) -> bool:
-    """Return whether a number may be a hash: plain numbers have many zero bytes."""
-    return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
-
-
 def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
     """Return the parts of a statement that describe the type of messages on a topic."""
     if fingerprint == _NO_TYPE:
         return {}
     if known := _possible(fingerprint, topic):
         return {"types": tuple(known)}
-    if not _may_be_fingerprint(fingerprint):
+    if not may_be_fingerprint(fingerprint):
         return {}
     near = other_version(fingerprint, [*expected, *_expected(topic)])
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}

@@ -53,13 +53,18 @@ class Steer(PageStream):
         return missing if "did you mean" in missing else self._with_others("no node obeys")
 
     def _others(self, graph: Graph, topic: Topic) -> list[str]:
-        nodes = {node.name: end for node, end in topic.publishers if not _is_own(node)}
+        nodes = {node.name: end for node, end in topic.publishers if not self._is_own(node)}
         found = [name for name, end in nodes.items() if graph.time - end.last_time < _RECENT]
         if any(graph.time - one.last_time < _RECENT for one in topic.foreign):
             known = {node.name for node, _ in topic.publishers}
             senders = self.source.latest.row(self._steered).senders
             found += [name for name in senders if name not in known]
         return found
+
+    def _is_own(self, node: Node) -> bool:
+        """Return True for the nodes that publish for this server's pages."""
+        pids = {os.getpid()} | (self.source.steering.pids if self.source.steering else set())
+        return node.pid in pids and is_here(node)
 
     def _type(self) -> str:
         types = self.source.latest.row(self._steered).types
@@ -90,8 +95,3 @@ def is_velocity(kind: str = "") -> bool:
 
 def _obeys(node: Node) -> bool:
     return not (node.stale or node.tool)
-
-
-def _is_own(node: Node) -> bool:
-    """Return True for the node that publishes for this server's pages."""
-    return node.pid == os.getpid() and is_here(node)

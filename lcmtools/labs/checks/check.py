@@ -3,23 +3,17 @@
 import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
-from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.labs.catalogue import Lab, LabProgram
+from lcmtools.errors import LcmtoolsError
+from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks import dolly, husky, path, teleop, viewer
-from lcmtools.labs.checks.checked_programs import check_startable, split_command
-from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, cause_of, raised
+from lcmtools.labs.checks.choice import Run
+from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, busy, cause_of, raised, slip
 from lcmtools.labs.checks.observations import Observations, last_failure, last_words
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
 from lcmtools.packages.cmake import built_source
-from lcmtools.packages.cpp_nodes import is_cpp
-from lcmtools.packages.finding import find_node
-from lcmtools.packages.programs import built_program, find_program
-from lcmtools.packages.runnable_nodes import runnables
-from lcmtools.packages.workspace import workspace
 
 Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 
@@ -35,73 +29,6 @@ CHECKS: Mapping[str, Check] = {
 """By the program's option."""
 
 _NOTHING_SAID = "it printed nothing"
-
-
-@dataclass(frozen=True, slots=True)
-class Run:
-    """A program to be checked."""
-
-    program: LabProgram  # the lab's program that it implements
-    command: Sequence[str]  # its command line
-    is_answer: bool = False  # True for the model answer of lcmtools
-
-
-def choose(lab: Lab, programs: Mapping[str, str]) -> list[Run]:
-    """Return the programs to check. The lab's names are added to commands without names.
-
-    ``programs`` are the student's command lines by option. Without any, the workspace's nodes and
-    scripts with the names of the lab's programs are checked, or the model answers if there are no
-    such nodes.
-
-    Raises:
-        UsageError: A program belongs to another lab or does not exist, a command line is wrong,
-            or a file of the workspace is not declared as a node, not built or not executable.
-    """
-    known = {program.option: program for program in lab.programs}
-    may_be_answer = any(text.startswith("lcmtools run") for text in programs.values())
-    nodes = _workspace_nodes(lab) if may_be_answer or not programs else {}
-    if not programs:
-        nodes = _workspace_scripts(lab) | nodes
-    if not programs and not nodes:
-        return [Run(p, [*p.answer, *p.arguments], is_answer=True) for p in lab.programs]
-    chosen = []
-    programs = programs or {option: f"lcmtools run {node}" for option, node in nodes.items()}
-    for option, text in programs.items():
-        if option not in known:
-            hint = ", ".join(f"--{name}" for name in known)
-            raise UsageError(f"--{option} is not a program of the lab {lab.name}", f"it has {hint}")
-        words = split_command(text)
-        check_startable(words)
-        is_answer = tuple(words[:3]) == known[option].answer and option not in nodes
-        if not any(":=" in word for word in words):
-            words += known[option].arguments
-        chosen.append(Run(known[option], words, is_answer))
-    return chosen
-
-
-def _workspace_nodes(lab: Lab) -> dict[str, str]:
-    """Return the workspace's nodes with the names of a lab's programs, by option."""
-    found = {}
-    known, here = runnables(Path.cwd()), Path.cwd()
-    for program in lab.programs:
-        node, _ = find_node([program.node], known, here)
-        if node.source:
-            built_program(node)  # or raise
-        if node.folder:
-            found[program.option] = f"{node.package} {node.name}"
-    return found
-
-
-def _workspace_scripts(lab: Lab) -> dict[str, str]:
-    """Return the scripts of the workspace's packages with these names, likewise."""
-    here = Path.cwd()
-    near = [one.name for one in workspace(here).packages if not one.is_noted]
-    return {
-        program.option: f"{package} {script.name}"
-        for program in lab.programs
-        for package in near
-        if (script := find_program([package, program.node], here))
-    }
 
 
 def check(
@@ -126,9 +53,9 @@ def check(
     results: list[CheckResult] = []
     with contextlib.ExitStack() as owned:
         try:
-            command = owned.enter_context(_built(run.command))
+            command = owned.enter_context(_built(run))
         except LcmtoolsError as error:
-            what, hint = "can be built", str(error)
+            what, hint = "can be built", "; ".join(filter(None, (str(error), slip(str(error)))))
             row = CheckResult(what, "a program", "none", is_ok=False, hint=hint, cause="not-built")
             show(row)
             return Report(run.program.option, run.command, [row]), {}
@@ -149,14 +76,13 @@ def check(
 
 
 @contextlib.contextmanager
-def _built(command: Sequence[str]) -> Iterator[Sequence[str]]:
+def _built(run: Run) -> Iterator[Sequence[str]]:
     """Build a source in C++; yield the command line with its program, or as it is."""
-    source, *arguments = command
-    if not is_cpp(Path(source)):
-        yield command
+    if run.source is None:
+        yield run.command
         return
-    with built_source(Path(source)) as program:
-        yield [str(program), *arguments]
+    with built_source(run.source) as program:
+        yield [str(program), *run.command[1:]]
 
 
 def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
@@ -170,6 +96,9 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
         return
     if exception := _exception(bench):
         yield exception
+    if is_ok and run.program.publishes and (slow := busy(bench.observe(), often=True)):
+        what, wanted = "callbacks return at once", "well below 0.1 s"
+        yield CheckResult(what, wanted, "they do not", is_ok=False, hint=slow.text, cause=slow.key)
     if is_ok and (look := bench.observe().look) and look.findings:
         found = "1 finding" if len(look.findings) == 1 else f"{len(look.findings)} findings"
         row = CheckResult("what wtf says about it", "nothing", found, is_ok=True)

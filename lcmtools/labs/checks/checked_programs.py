@@ -35,8 +35,6 @@ def check_startable(command: Sequence[str]) -> None:
 
 def _cannot_run(program: str, reason: str | None) -> UsageError:
     hint = "give the command line as you type it, in quotes"
-    if Path(program).suffix == ".py" and Path(program).is_file():
-        hint = f'did you mean "python {program}"?'
     return UsageError(f"cannot run '{program}': {reason}", hint)
 
 

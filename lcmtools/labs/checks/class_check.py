@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.labs.catalogue import Lab
-from lcmtools.labs.checks.check import choose
 from lcmtools.labs.checks.check_report import read_record
 from lcmtools.labs.checks.checked_programs import own_command
+from lcmtools.labs.checks.choice import choose
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
@@ -106,9 +106,10 @@ class ClassCheck:
             start = Start(words, dict(os.environ), own)
             with ChildProcess(start, guard, StopTimeouts()) as child:
                 output, errors = self._lines(child)
-        if output:
+        try:
             return read_record(json.loads("\n".join(output)))[0]
-        return _failed(job.option, _reason(errors))
+        except ValueError:  # nothing, or a part of it: the check was ended
+            return _failed(job.option, _reason(errors))
 
     def _lines(self, child: ChildProcess) -> tuple[list[str], list[str]]:
         """Return the lines of output and errors, until the process or the whole check ends."""

@@ -32,6 +32,7 @@ RAISED, IGNORED = "raised", "ignored"
 """Its callbacks raise exceptions; the simulator ignores its commands."""
 TYPE, TOPIC, SUBSCRIPTION, UNSUBSCRIBED = "type", "topic", "subscription", "unsubscribed"
 TIMER = "timer"
+STOPPED = "stopped"  # commands came, and then no more
 STRAYS, UNLIKE = "strays", "unlike"
 """It strays from the path, or its picture is another one: input from another topic explains it."""
 UNMOVED = "unmoved-"  # the beginning of the key, before the field that has no effect
@@ -44,6 +45,21 @@ _RARE = 10  # calls for each exception
 _MISSING = re.compile(r"No module named '([\w.]+)'")
 _LONG_TIMER = re.compile(r"create_timer: a period of .+")  # as a node warns
 _SMALL = 1e-6
+_SLIPS = (
+    (
+        re.compile(r"Vector3\b.*\Ww\W"),
+        "the angular part of a Twist has no w, whatever older texts print: leave that line out",
+    ),
+    (
+        re.compile(r"no matching (?:member )?function .*create_(publisher|subscription)\("),
+        "write the message's type: create_{}<geometry_msgs::Twist>(...)",
+    ),
+    (
+        re.compile(r"no matching function .*make_(shared)\(\)"),
+        "write the class: std::make_{}<MovingRobot>()",
+    ),
+)
+"""Errors that come of the printed texts of the labs, and what to write instead."""
 _NO_SPIN = "does it call spin(node), or spin_once often?"
 
 
@@ -55,7 +71,7 @@ def cause_of(result: CheckResult, observed: Observations) -> Cause:
     is_silent = result.cause == SILENT
     found = raised(observed, frequent_only=not is_silent)
     found = misled(observed, result) or found or ignored(observed)
-    if not found and result.cause in (SILENT, SELDOM, ZERO):
+    if not found and result.cause in (SILENT, SELDOM, STOPPED, ZERO):
         found = busy(observed)
     if not found and is_silent:
         found = disconnected(observed, result.hint)
@@ -74,8 +90,8 @@ def died(observed: Observations) -> Cause:
 
 
 def _missing_module(words: str) -> str:
-    """Return the replacement for a missing module of ROS."""
-    own = in_place_of_ros(match[1]) if (match := _MISSING.search(words)) else ""
+    """Return the replacement for a missing module of ROS, or for another slip."""
+    own = in_place_of_ros(match[1]) if (match := _MISSING.search(words)) else slip(words)
     return f"; {own}" if own else ""
 
 
@@ -107,7 +123,8 @@ def raised(observed: Observations, *, frequent_only: bool = False) -> Cause | No
     failure = max(failures, key=lambda failure: failure.count)
     times = f" {failure.count} times" if failure.count > 1 else ""
     where = f"its callback of {failure.callback}" if failure.callback else "it"
-    return Cause(RAISED, f"{where} raised{times} {failure}")
+    text = "; ".join(filter(None, (f"{where} raised{times} {failure}", slip(failure.message))))
+    return Cause(RAISED, text)
 
 
 def _is_rare(failure: Failure, observed: Observations) -> bool:
@@ -126,14 +143,24 @@ def ignored(observed: Observations) -> Cause | None:
     return None
 
 
-def busy(observed: Observations) -> Cause | None:
-    """Return the callback that does not return at once, if there is one."""
+def busy(observed: Observations, *, often: bool = False) -> Cause | None:
+    """Return the callback that does not return at once, if there is one.
+
+    With ``often`` the longest call does not count: it may have loaded what the others need.
+    """
     for wire in observed.look.subscriptions if observed.look else ():
-        mean = wire.busy / wire.calls if wire.calls else 0.0
-        if wire.longest > _LONG_CALL or mean > _LONG_MEAN:
+        calls, spent = wire.calls - often, wire.busy - often * wire.longest
+        is_long = wire.longest > _LONG_CALL and not often
+        if is_long or (calls > 0 and spent / calls > _LONG_MEAN):
             text = f"its callback of {wire.topic} runs for {wire.longest:.1f} s: it must return at"
             return Cause("busy", f"{text} once, without a sleep or a loop that waits")
     return None
+
+
+def slip(error: str) -> str:
+    """Return what to write instead of a slip that printed texts of the labs have; "" for others."""
+    found = ((pattern.search(error), text) for pattern, text in _SLIPS)
+    return next((text.format(*match.groups()) for match, text in found if match), "")
 
 
 def disconnected(observed: Observations, hint: str = "") -> Cause | None:

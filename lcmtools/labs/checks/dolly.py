@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from lcmtools.labs.checks.checked_programs import CheckedProgram
-from lcmtools.labs.checks.diagnosis import misplaced
+from lcmtools.labs.checks.diagnosis import STOPPED, misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
 from lcmtools.labs.checks.observations import Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
@@ -21,7 +21,16 @@ _RADIUS = _FORWARD / _TURN_RATE
 VELOCITY, _SCAN = "/dolly/cmd_vel", "/dolly/laser_scan"
 _FIRST, SOME = 10.0, 8  # [s], commands
 ROUND = 2 * math.pi / _TURN_RATE  # [s] simulated
-_NUMBER = re.compile(r"(?<![\w.])\d+\.(\d+)(?![\w.])")
+_NUMBER = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])")
+_VALUE = r"\b\D{0,20}?(\d+\.\d+|inf)(?![\w.])"
+_DIRECTIONS = {
+    "ahead": rf"\b(?:ahead|(?:in )?front|forward|straight|middle|cent(?:er|re)){_VALUE}",
+    "left": rf"\bleft{_VALUE}",
+    "right": rf"\bright{_VALUE}",
+    "nearest": rf"\b(?:nearest|closest){_VALUE}",
+}
+"""Words before a range that say where it is measured."""
+_MIDDLE = 0.05  # of the beams to each side of the middle one are ahead
 _ANY_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?![\w.])")
 _NEWEST = 20  # numbers
 _LONGEST_DRIVE = 25.0  # [s]
@@ -70,7 +79,7 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
         text = f"one command came, and no other for {silent:.1f} s: publish in the timer's callback"
         return Cause("once", f"{text}; a period of 500 ms is 0.5 s")
     if silent > _SILENCE:
-        return Cause("stopped", f"{count} commands came, and then none for {silent:.1f} s: {timer}")
+        return Cause(STOPPED, f"{count} commands came, and then none for {silent:.1f} s: {timer}")
     word = "seldom" if rate < _RATE else "often"
     return Cause("rate", f"commands come too {word}, every {1 / rate:.2g} s: {timer}")
 
@@ -146,16 +155,48 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     measured = f"{', '.join(found[:3])} m" if found else "none"
     is_ok = bool(found) and _lines(program) > 1
     yield CheckResult(what, wanted, measured, is_ok, cause.text, cause.key)
+    yield from direction_rows(program.printed(), scans[-1])
+
+
+def direction_rows(printed: str, scan: LaserScan) -> Iterator[CheckResult]:
+    """Yield the row for the directions that a program prints with its ranges, if it prints any."""
+    size, wanted, wrong = len(scan.ranges), list[str](), ""
+    half, few = size // 2, round(size * _MIDDLE)
+    nearest = min(range(size), key=scan.ranges.__getitem__)
+    beams = {
+        "ahead": range(half - few, half + few + 1),
+        "left": range(half - 1, size),
+        "right": range(half + 1),
+        "nearest": range(nearest, nearest + 1),
+    }
+    for name, pattern in _DIRECTIONS.items():
+        said = re.findall(pattern, printed.replace(",", "\n"), re.IGNORECASE)
+        found = _beams(said[-1], scan.ranges) if said else []
+        if found:
+            wanted.append(name)
+        if found and not wrong and not {*found} & {*beams[name]}:
+            angle = math.degrees(scan.angle_min + found[0] * scan.angle_increment)
+            side = "left" if angle > 0 else "right"
+            wrong = (
+                f"{name} {said[-1]}, which is ranges[{found[0]}], {abs(angle):.0f} degrees {side}"
+            )
+    if wanted:
+        hint = "ranges go from angle_min (right) to angle_max (left): ahead is the middle one,"
+        hint += " ranges[len(ranges) // 2], and the last one is at the left"
+        title = f"prints what is {', '.join(wanted)}"
+        yield CheckResult(title, "the beams there", wrong or "they are", not wrong, hint, "beam")
+
+
+def _beams(number: str, ranges: Sequence[float]) -> list[int]:
+    """Return the beams that measure a printed range."""
+    tolerance = 0.5 * 10.0 ** -len(number.partition(".")[2]) + _NOISE
+    value = float(number)
+    return [i for i, one in enumerate(ranges) if one == value or abs(one - value) <= tolerance]
 
 
 def ranges_in(text: str, ranges: Sequence[float]) -> list[str]:
     """Return the numbers in a text that equal ranges of a scan [m], but for rounding and noise."""
-    measured = [value for value in ranges if math.isfinite(value)]
-    found = set()
-    for number, decimals in ((match[0], match[1]) for match in _NUMBER.finditer(text)):
-        tolerance = 0.5 * 10.0 ** -len(decimals) + _NOISE
-        if any(abs(float(number) - value) <= tolerance for value in measured):
-            found.add(number)
+    found = {match[0] for match in _NUMBER.finditer(text) if _beams(match[0], ranges)}
     return sorted(found, key=float)
 
 

@@ -64,11 +64,16 @@ class KeyPress:
     key: str
     wanted: Velocity
     twist: Twist | None
+    changes: bool = True  # False if the commands go on as before, whatever these were
+    as_capital: bool = False  # True if the capital letter does what is wanted
 
 
 def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
     """Return the cause of a key's wrong command, from the commands of all driving keys."""
     key, wanted, got = press.key, press.wanted, velocity_of(press.twist)
+    if press.as_capital:
+        text = f"'{key.upper()}' does it, and '{key}' does not: the keys are lower-case letters"
+        return Cause("capitals", f"{text}, though older texts print some as capitals")
     if press.twist is None or got is None:
         text = f"nothing is published for '{key}': is each key read at once, and is it known?"
         return Cause("unanswered", text)
@@ -79,14 +84,15 @@ def key_cause(press: KeyPress, drives: Mapping[str, KeyPress]) -> Cause:
             side = ("forward is linear.x above 0", "left is angular.z above 0")[index]
             return Cause(f"{name}-sign", f"wrong sign of {name}: {side}")
     other = next((k for k, drive in drives.items() if k != key and is_alike(got, drive.wanted)), "")
-    if not any(got):
-        text = f"'{key}' stops the robot: is it in the program's table of keys?"
-        return Cause(f"key-{key}", text)
-    if other:
+    text = f"compare '{key}' with the table of keys in the lab"
+    if not (any(got) and press.changes):
+        does = "changes nothing" if any(got) else "stops the robot"
+        text = f"'{key}' {does}: is it in the program's table of keys, in lower case?"
+    elif other:
         pair = "".join(sorted((key, other)))
         text = f"'{key}' does what '{other}' should do ({DRIVING_KEYS[other]})"
         return Cause(f"key-{pair}", f"{text}: the keys are mixed up")
-    return Cause(f"key-{key}", f"compare '{key}' with the table of keys in the lab")
+    return Cause(f"key-{key}", text)
 
 
 def _is_reversed(drives: Mapping[str, KeyPress], index: int) -> bool:
@@ -129,7 +135,8 @@ def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) ->
     """Return the row for 'u' after a key that changes a speed; 'u' itself may be wrong."""
     result = key_result(press, what, drives)
     before = drives["u"]
-    if result.is_ok or not is_alike(velocity_of(before.twist), before.wanted):
+    is_known = is_alike(velocity_of(before.twist), before.wanted)
+    if result.is_ok or press.as_capital or not is_known:
         return result
     text = f"'{what.split()[2].rstrip(',')}' should change the speeds by 10 % and keep the motion"
     return replace(result, hint=text, cause=f"change-{what}")

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
+from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of
 from lcmtools.labs.checks.error_statistics import (
     OF_ERRORS,
@@ -105,6 +106,8 @@ class _Robot:
         for _ in range(_TIMES):
             wheels.publish(command)
             self._bench.wait(self._is_steady, LONGEST / _TIMES / self._bench.rate)
+        if not self._samples:
+            raise LcmtoolsError("no odometry came from the simulator", "check the program again")
         return self._samples[-1].forward, self._samples[-1].turn_rate
 
     def _is_steady(self) -> bool:

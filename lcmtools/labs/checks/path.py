@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 
 from lcmtools.labs.checks.diagnosis import SELDOM, STRAYS, velocity_of
+from lcmtools.labs.checks.driving_keys import text_of
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.steering_formula import ANGLE, steering_cause
-from lcmtools.labs.checks.test_bench import TestBench
+from lcmtools.labs.checks.test_bench import STOPS, TestBench
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Path
 
@@ -22,6 +23,7 @@ _PATIENCE, _PROGRESS = 8.0, 0.3  # [s] simulated, and the progress in it [m]
 _EACH = 0.8  # commands for each pose of the robot
 _MOST = 0.95  # of the path: its end may be where a student's robot stops
 _AHEAD, _BEHIND = 1.0, 0.3  # [m] along the path in which the robot is searched, from where it was
+_STOPPING = 3.0  # [s] simulated, in which a robot stops at the end
 _AT_REST = 0.02  # [m], [m/s] or [rad/s]
 _SPIN = 4.0  # [rad/s]; to follow the path takes less
 _HURRY = 20.0  # [rad/s]; even a controller with a high gain commands less
@@ -139,11 +141,35 @@ def _driven(bench: TestBench, drive: DrivenPath) -> list[CheckResult]:
         return drive.is_over(bench.time) or program.code is not None
 
     bench.wait(is_over, 2 * drive.length / _LOST / bench.rate + 60.0)
-    rows = list(judge(drive, seen.touches[touch:], seen.commands))
+    touches = seen.touches[touch:]
+    rest = [_rest_row(bench)] if drive.offsets else []  # at once: it takes a while to judge a drive
+    rows = list(judge(drive, touches, seen.commands))
+    if all(row.is_ok for row in rows) and program.code is None:
+        return rows + rest
     # commands that come seldom may do so because a callback waits
     is_seldom = len(seen.commands) <= _EACH * len(drive.offsets)
     is_unclear = is_seldom and not any(row.cause == ANGLE for row in rows)
     return [replace(row, cause=SELDOM) if is_unclear else row for row in rows]
+
+
+def _rest_row(bench: TestBench) -> CheckResult:
+    """Return the row for a robot that must stop at the end, while its program goes on."""
+    motion, program = bench.recorder.motion, bench.program
+    assert program is not None
+
+    def is_at_rest() -> bool:
+        return max(abs(motion[-1].forward), abs(motion[-1].turn_rate)) < _AT_REST
+
+    start = bench.time
+    bench.wait(
+        lambda: is_at_rest() or bench.time > start + _STOPPING or program.code is not None,
+        _STOPPING / bench.rate + _STOPPING,
+    )
+    measured = "at rest" if is_at_rest() else text_of((motion[-1].forward, motion[-1].turn_rate))
+    text = "at the last point publish a Twist of 0, and no other after it"
+    cause = Cause("no-stop", f"{text}: the robot keeps its last command")
+    wanted = f"at rest within {_STOPPING:g} s"
+    return CheckResult(STOPS, wanted, measured, is_at_rest(), cause.text, cause.key)
 
 
 def judge(

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lcmtools.labs.checks.diagnosis import UNMOVED
+from lcmtools.labs.checks.diagnosis import STOPPED, UNMOVED
 from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
@@ -161,7 +161,7 @@ def command_cause(run: StepRun) -> Cause | None:
     """Return the fault in the commands; None if they are right."""
     if not run.commands:
         text = f"no command came in {run.duration:.1f} s: publish one for each odometry message"
-        return Cause("stopped", text)
+        return Cause(STOPPED, text)
     rate = len(run.commands) / max(run.duration, 0.1) * run.pace
     if run.duration > 1.0 and rate < _SELDOM:
         text = f"commands come too seldom, {rate:.2g} a second: publish one for each odometry"

@@ -1,5 +1,6 @@
 """The submissions of a class: programs in a folder, which run in copies."""
 
+import os
 import re
 import shlex
 import shutil
@@ -71,7 +72,7 @@ def programs_of(lab: Lab, folder: Path, commands: Mapping[str, str]) -> dict[str
         return {option: text.replace(PROGRAM, path) for option, text in commands.items()}
     files = [path for path in files if path.suffix in _PROGRAMS]
     files.sort(key=lambda path: _PROGRAMS.index(path.suffix))
-    programs = {path: text for path in files if (text := _command(path, folder))}
+    programs = {path: text for path in files if (text := command_of_file(path, folder))}
     chosen = {program.option: _best(lab, program, list(programs)) for program in lab.programs}
     return {option: programs[path] for option, path in chosen.items() if path}
 
@@ -83,9 +84,31 @@ def _files(folder: Path) -> Iterator[Path]:
             yield path
 
 
-def _command(path: Path, folder: Path) -> str:
-    """Return the command line of a program; "" for another file."""
-    name = str(path.relative_to(folder))
+def programs_named(lab: Lab, folder: Path) -> dict[str, list[Path]]:
+    """Return the programs in a folder that are named after a lab's programs, by option.
+
+    A file with only a part of such a name, as my_controller.py, must also have the topics of that
+    program. Names are relative to the folder; the first one of each program is the likeliest.
+    """
+    found = dict[str, list[Path]]()
+    files = [one for one in folder.iterdir() if one.suffix in _PROGRAMS and one.is_file()]
+    for path in sorted(files, key=lambda one: (len(one.stem), _PROGRAMS.index(one.suffix))):
+        program = _named(lab, path)
+        if program is None or not command_of_file(path, folder):
+            continue
+        if program.node in path.stem or _likeliest(lab, path) is program:
+            found.setdefault(program.option, []).append(path.relative_to(folder))
+    return found
+
+
+def program_of(lab: Lab, path: Path) -> LabProgram | None:
+    """Return the lab's program that a file is, by its name or the topics in it; else None."""
+    return _named(lab, path) or _likeliest(lab, path)
+
+
+def command_of_file(path: Path, folder: Path) -> str:
+    """Return the command line of a program, to run in a folder; "" for another file."""
+    name = os.path.relpath(path, folder)
     if path.suffix == ".py":
         return shlex.join((Path(sys.executable).name, name))
     if path.suffix in SUFFIXES:

@@ -40,8 +40,12 @@ class _Keyboard:
 
     def last(self) -> Twist | None:
         """Return the newest command since the last key."""
+        return self.newest() if len(self._bench.recorder.commands) > self._first else None
+
+    def newest(self) -> Twist | None:
+        """Return the newest command, also of an earlier key."""
         commands = self._bench.recorder.commands
-        message = commands[-1].message if len(commands) > self._first else None
+        message = commands[-1].message if commands else None
         return message if isinstance(message, Twist) else None
 
     def press(self, key: str) -> None:
@@ -63,6 +67,10 @@ class _Keyboard:
         if not self._bench.wait(self.last, self._patience):
             self._patience = _STALE  # for the other keys: there may be many that it does not know
             return False
+        return self.follows(wanted)
+
+    def follows(self, wanted: Velocity) -> bool:
+        """Return True if the wanted command comes soon."""
         return self._bench.wait(lambda: is_alike(velocity_of(self.last()), wanted), _STALE)
 
     def settled(self, key: str) -> Velocity:
@@ -118,22 +126,38 @@ def _changed(
 ) -> tuple[KeyPress, Motion]:
     """Press a speed key and u; return the press of u and the expected motion."""
     before, wanted = motion.after("u"), motion.after(key).after("u")
-    for _ in range(_PRESSES):
-        keyboard.press(key)
+    for name in (key, key, key.upper()):
+        keyboard.press(name)
         bench.wait(keyboard.last, _STALE)  # select() does not see keys that input has buffered
-        press = _pressed(keyboard, "u", wanted)
+        press = _pressed(keyboard, "u", wanted, is_whole=True)
         if not is_alike(velocity_of(press.twist), (before.forward, before.turn_rate)):
             break
-    return press, wanted
+    is_right = is_alike(velocity_of(press.twist), press.wanted)
+    return replace(press, as_capital=is_right and name != key), wanted
 
 
-def _pressed(keyboard: _Keyboard, key: str, motion: Motion) -> KeyPress:
-    wanted = motion.forward, motion.turn_rate
+def _pressed(keyboard: _Keyboard, key: str, motion: Motion, *, is_whole: bool = False) -> KeyPress:
+    """Press a driving key; if it is wrong and not ``is_whole``, find out what does what it should.
+
+    A program that goes on with its commands seems to answer to a key that it does not know.
+    """
+    wanted, before = (motion.forward, motion.turn_rate), velocity_of(keyboard.newest())
     for _ in range(_PRESSES):
         keyboard.press(key)
         if keyboard.receives(wanted):
-            break
-    return KeyPress(key, wanted, keyboard.last())
+            return KeyPress(key, wanted, keyboard.last())
+    twist, changes = keyboard.last(), True
+    if is_whole:
+        return KeyPress(key, wanted, twist)
+    if before and is_alike(velocity_of(twist), before):
+        other = keyboard.settled("," if key == "i" else "i")
+        keyboard.press(key)
+        keyboard.follows(wanted)
+        again = velocity_of(keyboard.last())
+        changes = again is not None and not is_alike(again, other)
+    keyboard.press(key.upper())
+    as_capital = key != key.upper() and keyboard.follows(wanted)
+    return KeyPress(key, wanted, twist, changes, as_capital)
 
 
 def _stop_at_end(bench: TestBench, keyboard: _Keyboard) -> CheckResult:

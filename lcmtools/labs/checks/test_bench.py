@@ -78,6 +78,7 @@ class TestBench:
         self._url = f"udpm://{_GROUP}:{_free_port()}?ttl=0"
         self._owned = contextlib.ExitStack()
         self._programs = 0
+        self._simulator: CheckedProgram | None = None
 
     def __enter__(self) -> "TestBench":
         """Start the simulator and wait until it runs.
@@ -178,10 +179,13 @@ class TestBench:
 
         Raises:
             TimeLimitReached: The time limit of the check is over.
+            LcmtoolsError: The simulator has ended, which is no fault of the program.
         """
         deadline = time.monotonic() + timeout
         has_ended = False
         while not condition():
+            if self._simulator is not None and self._simulator.code is not None:
+                raise self._ended(self._simulator)
             now = time.monotonic()
             if now > self._deadline:
                 raise TimeLimitReached
@@ -267,15 +271,20 @@ class TestBench:
         world = ("--world", self._world_file(), "--rate", f"{self._first_rate:g}")
         words = ("lcmtools", "run", "lcmtools", "sim", *world)
         simulator = self._owned.enter_context(self._start(words))
+        self._simulator = simulator
         self._running = self._owned.enter_context(contextlib.ExitStack())
-        self.wait(lambda: self.time > 0.0 or simulator.code is not None, _START_TIMEOUT)
-        if not self.time > 0.0:
-            reason = (
-                last_words(simulator.printed()) or f"it printed nothing for {_START_TIMEOUT:g} s"
-            )
-            is_missing = simulator.code == MissingExtra.exit_code
-            error = MissingExtra if is_missing else LcmtoolsError
-            raise error(f"the simulator did not start: {reason}")
+        if not self.wait(lambda: self.time > 0.0, _START_TIMEOUT):
+            raise self._ended(simulator)
+
+    def _ended(self, simulator: CheckedProgram) -> LcmtoolsError:
+        """Return the error for a simulator that did not start, or that ended during the check."""
+        reason = last_words(simulator.printed()) or f"it printed nothing for {_START_TIMEOUT:g} s"
+        if self.time > 0.0:
+            what = f"the simulator ended during the check, with code {simulator.code}: {reason}"
+            return LcmtoolsError(what, "this says nothing about the program: check it again")
+        is_missing = simulator.code == MissingExtra.exit_code
+        error = MissingExtra if is_missing else LcmtoolsError
+        return error(f"the simulator did not start: {reason}")
 
     def _world_file(self) -> str:
         """Write the lab's world with a bumper around the robot that reports contacts."""

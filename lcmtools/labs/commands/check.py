@@ -35,14 +35,15 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 @subcommand("check", json_option)
 @examples(
     "lab check husky",
-    'lab check husky --controller "python my_controller.py"',
-    "lab check husky --controller my_controller.cpp",
+    "lab check husky my_controller.py",
+    'lab check husky --controller "python my_controller.py __name:=mine"',
     'lab check pioneer --teleop ./my_teleop --viewer "./my_viewer {picture}"',
     'lab check husky --controller "python mine.py" --plot mine.png',
     "lab check dolly --programs class/ --junit results.xml",
     "lab check husky --bag drive.lcmlog",
 )
 @argument("name", completer="lcmtools.labs.commands.completion:labs")
+@argument("files", metavar="[FILE]...", nargs=-1, completer="files")
 @_program_options
 @option(
     "--programs",
@@ -59,6 +60,7 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
 def command(
     name: str,
+    files: tuple[str, ...],
     *,
     folder: Path | None,
     jobs: int | None,
@@ -72,11 +74,11 @@ def command(
 ) -> int:
     """Check programs against a lab: yours or, if there are none, the model answers.
 
-    Yours are given as COMMAND; without any, the nodes of your workspace are used by their names.
-    COMMAND is a command line in quotes; a source in C++ as its program is compiled first. Each
-    program runs in its own simulation, on its own bus; unless its command line sets names (:=),
-    those of the lab are added to it. A viewer gets --save FILE, or the file's name in place of
-    {picture}. The exit code is 1 if something is not as the lab specifies.
+    Yours are the files and package nodes of this folder with the names of the lab's programs, or
+    those given as FILE, in Python or C++, which is compiled first. COMMAND is a command line in
+    quotes. Each program runs in its own simulation, on its own bus; unless its command line sets
+    names (:=), those of the lab are added to it. A viewer gets --save FILE, or the file's name in
+    place of {picture}. The exit code is 1 if something is not as the lab specifies.
 
     With --programs each file or folder in FOLDER is a submission, run in its own copy; its programs
     are found by name (simple_controller.py or .cpp), or run by COMMAND with {program} in it. As
@@ -86,6 +88,7 @@ def command(
     lab needs them; checks that are not possible are listed.
     """
     with needing_extra("sim", "lab check needs"):
+        from lcmtools.labs.checks.choice import choose
         from lcmtools.labs.commands import checking
 
     click.get_current_context().with_resource(results_beside(junit))
@@ -94,7 +97,9 @@ def command(
     show = checking.show_nothing if as_json else write_lines
     if jobs and not folder:
         raise UsageError("--jobs is for --programs FOLDER", "leave it out")
-    if log and (chosen or folder or rate or time_limit or plot):
+    if folder and files:
+        raise UsageError("--programs FOLDER checks the files in it", f"leave out {files[0]}")
+    if log and (chosen or files or folder or rate or time_limit or plot):
         raise UsageError("--bag runs no program", "leave out the programs and how they are run")
     picture = checking.picture_file(plot)
     if log:
@@ -103,7 +108,9 @@ def command(
         checker = checking.class_checker(lab, chosen, rate, time_limit, picture, jobs)
         outcome = checking.check_class(lab, checker, folder, show)
     else:
-        outcome = checking.check_one(lab, chosen, rate, time_limit, picture, show)
+        outcome = checking.check_one(
+            lab, choose(lab, chosen, files), rate, time_limit, picture, show
+        )
     if junit:
         checking.write_junit(junit, lab, outcome)
     write_document(outcome.record) if as_json else write_lines(outcome.summary)

@@ -13,8 +13,9 @@ from lcmtools.errors import MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks import check_report
-from lcmtools.labs.checks.check import check, choose
+from lcmtools.labs.checks.check import check
 from lcmtools.labs.checks.check_report import class_rows, heading, junit, record, summary
+from lcmtools.labs.checks.choice import Run
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
 from lcmtools.labs.checks.plot import draw_check
@@ -23,6 +24,7 @@ from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
 Show = Callable[[Sequence[str]], object]
 _USUAL = 10  # [s] that the check of a right program takes
+_COMPILING = "about 20 s if it has changed"
 _LONGER = "longer if something fails"
 _CLASS_LIMIT = 120.0  # [s] for each program of a class
 
@@ -58,20 +60,21 @@ class Outcome(NamedTuple):
 
 def check_one(
     lab: Lab,
-    programs: Mapping[str, str],
+    choice: tuple[Sequence[Run], str],
     rate: float | None,
     time_limit: float | None,
     plot: Path | None,
     show: Show,
 ) -> Outcome:
     """Check a user's programs, and show each row at once."""
+    runs, found = choice
     reports: list[Report] = []
     world: Mapping[str, object] = {}
     with StatusLine("lcmtools lab check") as waiting:
-        runs = choose(lab, programs)
         if show is not show_nothing:
-            each = "a program" if len(runs) == 1 else f"{len(runs)} programs, one after the other"
-            waiting.write_note(f"simulates {each}: about {len(runs) * _USUAL} s, {_LONGER}")
+            if found:
+                waiting.write_note(found)
+            waiting.write_note(_announced(runs))
         for run in runs:
             # shown only of a program that can be started
             head = heading(run.program.option, run.command, is_answer=run.is_answer)
@@ -90,6 +93,14 @@ def check_one(
         draw_check(world, reports, plot)
         write_note(f"saved {plot}")
     return Outcome({"": reports}, record(lab.name, reports), summary(reports))
+
+
+def _announced(runs: Sequence[Run]) -> str:
+    """Return what a check of programs does, and how long it takes."""
+    each = "a program" if len(runs) == 1 else f"{len(runs)} programs, one after the other"
+    text = f"simulates {each}: about {sum(run.program.check_time for run in runs):.0f} s, {_LONGER}"
+    sources = " and ".join(run.source.name for run in runs if run.source)
+    return f"compiles {sources} ({_COMPILING}), and {text}" if sources else text
 
 
 def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:

@@ -1,7 +1,8 @@
 """The labs' nodes with the interesting part left out, to be filled in: one file a node.
 
 ``lcmtools lab skeleton NAME`` copies one. Each runs as it is and does nothing wrong; its TODOs say
-what is missing. The answers are the nodes of the same names in the folder above.
+what is missing. The answers are the nodes of the same names in the folder above; a file in C++ is
+both, and compiles as the skeleton with SKELETON defined.
 """
 
 import re
@@ -16,6 +17,8 @@ NAMES = tuple(sorted((*ANSWERS, "listener", "talker")))
 CPP_NAMES = tuple(sorted(path.stem for path in Path(__file__).parent.glob("*.cpp")))
 """Those that are there in C++, too."""
 
+_ANSWER = re.compile(r"#ifdef SKELETON\n(.*?)(?:#else\n.*?)?#endif\n", re.DOTALL)
+_ADDED = re.compile(r"#ifndef SKELETON\n.*?#endif\n", re.DOTALL)
 _COMPILING = re.compile(r"^//     lcmtools msg generate .*\n//     g\+\+ .*\n", re.MULTILINE)
 
 
@@ -25,7 +28,8 @@ def skeleton_text(name: str, *, is_cpp: bool = False) -> str:
     if name not in names:
         hint = did_you_mean(name, names) or f"there are {', '.join(names)}"
         raise UsageError(f"there is no skeleton of '{name}'{language}", hint)
-    return Path(__file__).with_name(name + suffix(is_cpp=is_cpp)).read_text("utf-8")
+    text = Path(__file__).with_name(name + suffix(is_cpp=is_cpp)).read_text("utf-8")
+    return _ANSWER.sub(r"\1", _ADDED.sub("", text)) if is_cpp else text
 
 
 def in_package(text: str, name: str, package: str) -> str:

@@ -1,4 +1,4 @@
-// Save the Kinect's pictures, the newest one in place of the others (skeleton).
+// Save the Kinect's pictures, the newest one in place of the others.
 //
 //     lcmtools msg generate --lang cpp types sensor_msgs
 //     g++ kinect_viewer.cpp -Itypes $(lcmtools pkg cpp-path --flags) -o kinect_viewer
@@ -19,10 +19,15 @@ const int farthest = 5000;  // [mm], is black
 class KinectViewer : public lcmtools::Node {
  public:
   explicit KinectViewer(const std::string& file) : Node("kinect_viewer"), file_(file) {
+#ifdef SKELETON
     // TODO: subscribe to sensor_msgs::Image on the topic `topic`, so that kinect_callback is called
     // with each picture: create_subscription<TYPE>(TOPIC, 1, FUNCTION);
     // with [this](const sensor_msgs::Image& image) { kinect_callback(image); } as the function.
     // The 1 keeps only the newest picture, should they come faster than they are saved.
+#else
+    create_subscription<sensor_msgs::Image>(
+        topic, 1, [this](const sensor_msgs::Image& image) { kinect_callback(image); });
+#endif
   }
 
  private:

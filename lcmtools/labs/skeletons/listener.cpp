@@ -1,4 +1,4 @@
-// Log the texts of the talker (skeleton).
+// Log the texts of the talker.
 //
 //     lcmtools msg generate --lang cpp types std_msgs
 //     g++ listener.cpp -Itypes $(lcmtools pkg cpp-path --flags) -o listener
@@ -14,16 +14,25 @@
 class Listener : public lcmtools::Node {
  public:
   Listener() : Node("listener") {
+#ifdef SKELETON
     // TODO 1: subscribe to std_msgs::String on the topic chatter, with a queue of 10, so that
     // chatter_callback is called with each message: create_subscription<TYPE>(TOPIC, QUEUE, FUNCTION);
     // with [this](const std_msgs::String& message) { chatter_callback(message); } as the function.
+#else
+    create_subscription<std_msgs::String>(
+        "chatter", 10, [this](const std_msgs::String& message) { chatter_callback(message); });
+#endif
   }
 
  private:
   // Log one text.
   void chatter_callback(const std_msgs::String& message) {
+#ifdef SKELETON
     // TODO 2: log message.data with get_logger().info(TEXT).
     (void)message;  // remove this line
+#else
+    get_logger().info("I heard: [" + message.data + "]");
+#endif
   }
 };
 

@@ -1,4 +1,4 @@
-// Drive the Pioneer by keys (skeleton).
+// Drive the Pioneer by keys.
 //
 //     lcmtools msg generate --lang cpp types geometry_msgs
 //     g++ pioneer_manual_controller.cpp -Itypes $(lcmtools pkg cpp-path --flags) -o pioneer_manual_controller
@@ -54,6 +54,7 @@ class PioneerManualController : public lcmtools::Node {
 
   // Apply a key, and publish the velocity.
   void take_key(char keyboard_input) {
+#ifdef SKELETON
     // TODO 1: find out what keyboard_input is for each key.
     get_logger().info(lcmtools::format("key '%c', ASCII code %d", keyboard_input, keyboard_input));  // remove this line
 
@@ -63,6 +64,27 @@ class PioneerManualController : public lcmtools::Node {
 
     // TODO 3: for the keys q z w x e c, change speed_ and turn_ by 10 %. The robot should go on as
     // it was, at the new speed.
+#else
+    switch (keyboard_input) {
+      case 'i': set_way(1, 0); break;
+      case ',': set_way(-1, 0); break;
+      case 'j': set_way(0, 1); break;
+      case 'l': set_way(0, -1); break;
+      case 'u': set_way(1, 1); break;
+      case 'o': set_way(1, -1); break;
+      case 'm': set_way(-1, -1); break;
+      case '.': set_way(-1, 1); break;
+      case 'q': change_speeds(1.1, 1.1); break;
+      case 'z': change_speeds(0.9, 0.9); break;
+      case 'w': change_speeds(1.1, 1.0); break;
+      case 'x': change_speeds(0.9, 1.0); break;
+      case 'e': change_speeds(1.0, 1.1); break;
+      case 'c': change_speeds(1.0, 0.9); break;
+      default: set_way(0, 0);
+    }
+    cmdvel_.linear.x = forward_ * speed_;
+    cmdvel_.angular.z = left_ * turn_;
+#endif
 
     publisher_->publish(cmdvel_);
   }
@@ -71,6 +93,16 @@ class PioneerManualController : public lcmtools::Node {
   void stop() { publisher_->publish(geometry_msgs::Twist{}); }
 
  private:
+#ifndef SKELETON
+  // Set the direction of motion: forward (1) or backward (-1), and left (1) or right (-1).
+  void set_way(int forward, int left) { forward_ = forward, left_ = left; }
+  void change_speeds(double speed_factor, double turn_factor) {
+    speed_ *= speed_factor;
+    turn_ *= turn_factor;
+  }
+
+  int forward_ = 0, left_ = 0;
+#endif
   lcmtools::Publisher<geometry_msgs::Twist>::SharedPtr publisher_;
   double speed_ = 0.5;             // [m/s], what the keys drive at
   double turn_ = 1.0;              // [rad/s], what the keys turn at

@@ -1,4 +1,4 @@
-// Publish a text ten times a second (skeleton).
+// Publish a text ten times a second.
 //
 //     lcmtools msg generate --lang cpp types std_msgs
 //     g++ talker.cpp -Itypes $(lcmtools pkg cpp-path --flags) -o talker
@@ -15,19 +15,31 @@ using namespace std::chrono_literals;
 class Talker : public lcmtools::Node {
  public:
   Talker() : Node("talker") {
+#ifdef SKELETON
     // TODO 1: make a publisher of std_msgs::String on the topic chatter, with a queue of 10, and
     // keep it: publisher_ = create_publisher<TYPE>(TOPIC, QUEUE);
 
     // TODO 2: have timer_callback called every 100 ms: create_wall_timer(100ms, FUNCTION);
     // with [this] { timer_callback(); } as the function.
+#else
+    publisher_ = create_publisher<std_msgs::String>("chatter", 10);
+
+    create_wall_timer(100ms, [this] { timer_callback(); });
+#endif
   }
 
  private:
   // Publish one text.
   void timer_callback() {
     std_msgs::String message{};
+#ifdef SKELETON
     // TODO 3: set message.data to "hello world " and the number std::to_string(count_), log it with
     // get_logger().info(TEXT), and publish it with publisher_->publish(message).
+#else
+    message.data = "hello world " + std::to_string(count_);
+    get_logger().info(message.data);
+    publisher_->publish(message);
+#endif
     ++count_;
   }
 

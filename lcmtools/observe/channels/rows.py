@@ -17,7 +17,7 @@ from lcmtools.observe.channels.activity import SILENT_AFTER, Activity, Flow
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reading.losses import Losses, total
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SenderNames, process_name, programs
+from lcmtools.observe.reading.senders import SenderNames, listening_programs, process_name
 from lcmtools.observe.reports.describe import listed_node
 
 _GONE = 10_000_000_000  # [ns] behind a channel's latest message: such a sender has stopped
@@ -178,13 +178,8 @@ def survey(
 
 def plain_listeners(graph: Graph, url: BusUrl) -> list[str]:
     """Return the programs of this computer that receive from the bus and are not nodes."""
-    if not url.is_multicast:
-        return []
-    return [
-        process_name(program.process)
-        for program in programs(graph, url)
-        if program.listens and program.process
-    ]
+    found = listening_programs(graph, url) or []
+    return [process_name(program.process) for program in found if program.process]
 
 
 def matching(rows: Sequence[ChannelRow], text: str) -> list[ChannelRow]:

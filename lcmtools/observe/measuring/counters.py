@@ -91,6 +91,20 @@ def callback_record(endpoint: Endpoint) -> dict[str, object]:
     }
 
 
+UNCOUNTED = "messages: not known (its program does not count them)"
+
+
+def counted(endpoint: Endpoint) -> dict[str, int | None]:
+    """Return an endpoint's counts for JSON; None where its program does not count."""
+    counts = {
+        "messages": endpoint.messages,
+        "bytes": endpoint.bytes,
+        "drops": endpoint.drops,
+        "incomplete": endpoint.incomplete,
+    }
+    return {name: number if endpoint.is_counted else None for name, number in counts.items()}
+
+
 class Counters:
     """The counters of endpoints from two samples of a bus, and the loss of each sender."""
 
@@ -108,6 +122,8 @@ class Counters:
         """
         if not endpoint.messages and (seen := self._seen(node, endpoint)):
             return self.of_program(seen)
+        if not endpoint.is_counted:
+            return UNCOUNTED
         parts = [f"messages: {endpoint.messages}", f"bytes: {endpoint.bytes}"]
         parts += [f"drops: {endpoint.drops}"]
         parts += [f"incomplete: {endpoint.incomplete}"] if endpoint.incomplete else []
@@ -141,10 +157,7 @@ class Counters:
             **behind_record(node),
             "types": endpoint_types(endpoint),
             "depth": endpoint.depth,
-            "messages": endpoint.messages,
-            "bytes": endpoint.bytes,
-            "drops": endpoint.drops,
-            "incomplete": endpoint.incomplete,
+            **counted(endpoint),
             "rate": self.rate(node, endpoint),
             "average_rate": fair_average(node, endpoint),
             "last_time": endpoint.last_time or None,

@@ -211,9 +211,9 @@ def empty_figure(width: float, height: float) -> "Figure":
     return figure
 
 
-def draw_curves(axes: "Axes", curves: Sequence[Curve]) -> None:
-    """Draw curves over seconds since their first value."""
-    start = _common_start(curves)
+def draw_curves(axes: "Axes", curves: Sequence[Curve], start: float | None = None) -> None:
+    """Draw curves over seconds since ``start``, or since their first value."""
+    start = _common_start(curves) if start is None else start
     for curve in curves:
         axes.plot([time - start for time in curve.times], curve.values, label=curve.label)
     axes.set_xlabel("time [s]")

@@ -19,7 +19,7 @@ from lcmtools.errors import DecodeError, LcmtoolsError, NothingReceived, Unknown
 from lcmtools.graph.model import Graph
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.layout import stamp_reader
-from lcmtools.messages.message_time import MessageTime, message_time
+from lcmtools.messages.message_time import FIRST_TIME, MessageTime, message_time
 from lcmtools.messages.registry import message_class, type_name
 from lcmtools.names import Resolver, has_wildcard
 from lcmtools.observe.measuring.counters import Counters
@@ -37,6 +37,7 @@ from lcmtools.observe.reading.selection import (
 )
 from lcmtools.wire.packet import Packet
 
+_JUMP = 0.1  # [s] that the clock is set by at once; corrections in use are smaller
 _REPORT_PERIOD = 1.0  # [s]
 _MOST_SIZES = 1000  # sizes of messages that are remembered
 _LONGEST = 0.5  # [s] at most between two compared samples of counters
@@ -47,6 +48,30 @@ _TOPIC: Callable[[SelectedPacket], str] = itemgetter(0)
 ItemT = TypeVar("ItemT")
 FoundT = TypeVar("FoundT")
 Notify = Callable[[str], None]
+
+
+class TimeReader:
+    """Reads times; if a message of equal type and size has been decoded, only that."""
+
+    def __init__(self, decoder: Decoder) -> None:
+        self._decoder = decoder
+        self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
+
+    def read(self, packet: Packet) -> MessageTime | None:
+        """Return the time of a message; None if its type has none.
+
+        Raises:
+            DecodeError: Its type is unknown, or it is malformed.
+        """
+        payload = packet.payload
+        key = packet.channel, payload[:8], len(payload)
+        if read := self._readers.get(key):
+            stamped = join_stamp(*read(payload))
+            return MessageTime("header.stamp", stamped, stamped)
+        message = self._decoder.decode(packet)
+        if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
+            self._readers[key] = reader
+        return message_time(message)
 
 
 class Delays:
@@ -60,24 +85,32 @@ class Delays:
         self._decoder = decoder
         self._notify = notify
         self._told: set[str] = set()
-        self._readers: dict[tuple[str, bytes, int], Callable[[bytes], Sequence[int]]] = {}
+        self._reader = TimeReader(decoder)
 
     def __call__(self, arrival: SelectedPacket) -> int | None:
-        """Return the delay of a message [ns]; None if its stamp is not a time.
+        """Return the delay of a message [ns]; None if its stamp is no time, or one of another base.
 
         Raises:
             LcmtoolsError: Its type is unknown or has no header.
             DecodeError: It is malformed.
         """
+        time = self.time(arrival)
+        return None if time is None else arrival.time - time
+
+    def time(self, arrival: SelectedPacket) -> int | None:
+        """Return the time in a message [ns since 1970], as for its delay."""
         found, topic = self._time(arrival.packet), arrival.topic
         if not found.time:
             name = found.field.rpartition(".")[2]
             says = f"the {name} of a message on {topic} is {found.value}, which is not a time"
             self._tell_once("", says)
             return None
+        if (found.time < FIRST_TIME) is not (arrival.time < FIRST_TIME):
+            self._tell_once(f"base of {topic}", _other_base(topic, found.time, arrival.time))
+            return None
         if str(found) != found.field:
             self._tell_once(topic, f"the delay of {topic} is measured by its {found}")
-        return arrival.time - found.time
+        return found.time
 
     def _tell_once(self, about: str, sentence: str) -> None:
         if about not in self._told:
@@ -85,29 +118,30 @@ class Delays:
             self._notify(sentence)
 
     def _time(self, packet: Packet) -> MessageTime:
-        """Read the time; if a message of equal type and size has been decoded, read only that."""
-        payload = packet.payload
-        key = packet.channel, payload[:8], len(payload)
-        if read := self._readers.get(key):
-            stamped = join_stamp(*read(payload))
-            return MessageTime("header.stamp", stamped, stamped)
         try:
-            message = self._decoder.decode(packet)
-        except UnknownFingerprint:
+            found = self._reader.read(packet)
+        except UnknownFingerprint as error:
             raise LcmtoolsError(
-                f"the type of the messages on {packet.channel} is not known",
+                f"the type of the messages on {packet.channel} is not known: {error.what}",
                 f"lcmtools echo {packet.channel} shows their bytes",
             ) from None
-        found = message_time(message)
         if found is None:
             what = "has no header with a stamp, and no utime, timestamp or the like"
+            name = type_name(self._decoder.message_class(packet))
             raise LcmtoolsError(
-                f"{type_name(message)}, published on {packet.channel}, {what}",
+                f"{name}, published on {packet.channel}, {what}",
                 "lcmtools msg find-field header lists the types that have one",
             )
-        if (reader := stamp_reader(type(message))) and len(self._readers) < _MOST_SIZES:
-            self._readers[key] = reader
         return found
+
+
+def _other_base(topic: str, stamped: int, arrival: int) -> str:
+    """Return why the delay from a stamp to an arrival [ns] has no meaning."""
+    if stamped < FIRST_TIME:
+        what = f"is {stamped / 1e9:.3f} s: since a start, or simulated without a /clock here"
+        return f"the stamp of a message on {topic} {what}; such messages have no delay"
+    what = f"is real time, while /clock is at {arrival / 1e9:.3f} s"
+    return f"the stamp of a message on {topic} {what}; --wall-time measures its delay"
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +193,7 @@ class Measurement(Generic[ItemT, FoundT]):
         self._now = 0
         self._last_time: int | None = None  # [ns] of a log's latest arrival
         self._goes_back = False
+        self._clock = _clock()
         monitor.discover()
         if monitor.tap:
             monitor.tap.longest_nap = LONG_NAP
@@ -207,6 +242,8 @@ class Measurement(Generic[ItemT, FoundT]):
             give_up = last + timeout if is_live and timeout is not None else math.inf
             wait = min(due, give_up) - time.monotonic()
             batch = self._stream.receive(min(_REPORT_PERIOD, max(0.0, wait)))
+            if self._has_jumped():
+                batch = batch._replace(arrivals=[], is_reset=True)
             if batch.is_reset:
                 yield MeasurementReport({}, is_reset=True)
             counted, now = self._feed(batch), time.monotonic()
@@ -223,6 +260,14 @@ class Measurement(Generic[ItemT, FoundT]):
                 due += _REPORT_PERIOD
                 if PATIENCE <= now - start < PATIENCE + _REPORT_PERIOD:
                     self._notify_silent()
+
+    def _has_jumped(self) -> bool:
+        """Return whether the computer's clock, by which messages are timed, was set meanwhile."""
+        if not self._monitor.is_live or self.is_simulated:
+            return False
+        before, self._clock = self._clock, _clock()
+        (least, most), (was_least, was_most) = self._clock, before
+        return max(least - was_most, was_least - most) > _JUMP
 
     def _report(self) -> MeasurementReport[FoundT]:
         return MeasurementReport(
@@ -302,6 +347,12 @@ class Measurement(Generic[ItemT, FoundT]):
             self._notify("the times of the log go back; lcmtools bag sort sorts them")
         for topic in self._silent:
             self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
+
+
+def _clock() -> tuple[float, float]:
+    """Return the bounds of the difference between the computer's clock and a monotonic one [s]."""
+    before, now, after = time.monotonic(), time.time(), time.monotonic()
+    return now - after, now - before
 
 
 def lossy_senders(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import lru_cache
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.errors import DecodeError, UnknownType
@@ -20,6 +21,7 @@ from lcmtools.names import is_of_lcm
 from lcmtools.packages.type_files import VARIABLE
 from lcmtools.wire.packet import Packet
 
+_SAME_FILES = "generate the code of both sides from the same .lcm files: lcm-gen"
 _MOST_SETTLED = 4000  # channels and fingerprints whose type is remembered
 
 
@@ -98,7 +100,7 @@ class Decoder:
         for place, name in enumerate(names):
             with suppress(UnknownType):  # an index may name one that it does not define
                 return message_class(name, number), names[place:]
-        raise UnknownFingerprint(f"unknown type, fingerprint {number:#018x}")
+        raise unknown_fingerprint(number, channel, self._announced(channel))
 
     def _settle_named(
         self, channel: str, number: int, named: type[Message]
@@ -109,9 +111,30 @@ class Decoder:
         if name in candidates(number) and not self._exact:
             return message_class(name, number), [versioned(name, number)]
         names = possible_types(number, channel, self._announced(channel))
-        seen = names[0] if names else f"unknown, fingerprint {number:#018x}"
+        like = like_text(number, channel, (type_name(named),))
+        seen = names[0] if names else f"unknown, fingerprint {number:#018x}{like}"
         meant = versioned(name, fingerprint(named))
         raise DecodeError(f"the type is not {meant} but {seen}")
+
+
+def unknown_fingerprint(
+    number: int, channel: str, announced: Sequence[str] = ()
+) -> UnknownFingerprint:
+    """Return the error for a fingerprint of no known type, with the type that is most like it."""
+    like = like_text(number, channel, tuple(announced))
+    hint = _SAME_FILES if like else ""
+    return UnknownFingerprint(f"unknown type, fingerprint {number:#018x}{like}", hint)
+
+
+@lru_cache(maxsize=_MOST_SETTLED)
+def like_text(number: int, channel: str, announced: tuple[str, ...] = ()) -> str:
+    """Return ": like nav_msgs/Odometry, but without the field twist", as wtf does; "" for none."""
+    from lcmtools.messages.type_versions import may_be_fingerprint, other_version, own_types_like
+
+    if not may_be_fingerprint(number):
+        return ""
+    near = other_version(number, (*announced, *own_types_like(channel)))
+    return f": like {near.name}, but {near.difference}" if near else ""
 
 
 def remedy_of_unknown() -> str:

@@ -94,7 +94,7 @@ class LogFile(AbstractContextManager["LogFile"]):
         """Yield the places of the events from a byte on, with their senders as in ``packets``."""
         for block in self.index.blocks:
             if block.end > start:
-                yield from self._of_block(block, start)
+                yield from self.of_block(block, start)
         for event in self.events(max(start, self.index.end)):
             yield event, None
 
@@ -137,10 +137,12 @@ class LogFile(AbstractContextManager["LogFile"]):
         for node in self.index.nodes:
             yield Packet(NODE_CHANNEL, node.payload, node.time, self.senders.get(node.sender))
 
-    def losses(self) -> dict[Sender, Loss]:
-        """Return the loss of each sender, as the recorder saw it."""
+    def losses(self, between: tuple[int, int] | None = None) -> dict[Sender, Loss]:
+        """Return the loss of each sender, as the recorder saw it, all or between two times [ns]."""
         found: dict[Sender, Loss] = {}
         for lost in self.index.lost:
+            if between and not between[0] <= lost.time <= between[1]:
+                continue
             for number, counts in lost.counts.items():
                 if sender := self.senders.get(number):
                     found[sender] = found.get(sender, Loss()) + Loss(*counts)
@@ -156,7 +158,42 @@ class LogFile(AbstractContextManager["LogFile"]):
         place = bisect_right(last_times, time - 1)
         return self.index.blocks[place].start if place < len(last_times) else self.index.end
 
-    def _of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
+    def latest(self, channels: Iterable[str], time: int, blocks: Iterable[Block]) -> list[Packet]:
+        """Return each sender's last message on each channel before a time [ns], in order of time.
+
+        The log's ``blocks`` are given, as ``blocks`` yields them.
+        """
+        found: list[tuple[Event, Sender | None]] = []
+        blocks = list(blocks)
+        for channel in channels:
+            some = [(one.channels[channel], one) for one in blocks if channel in one.channels]
+            some = [(count, block) for count, block in some if count.first_time < time]
+            senders = {self.senders.get(number) for count, _ in some for number, _ in count.senders}
+            last: dict[Sender | None, Event] = {}
+            for _, block in sorted(some, key=lambda one: one[0].last_time, reverse=True):
+                for event, sender in self.of_block(block, block.start):
+                    older = last.get(sender)
+                    is_last = older is None or event.time >= older.time
+                    if event.channel == channel and event.time < time and is_last:
+                        last[sender] = event
+                if senders <= last.keys():
+                    break
+            found += [(event, sender) for sender, event in last.items()]
+        found.sort(key=lambda one: (one[0].time, one[0].start))
+        return [event.packet(self.data)._replace(sender=sender) for event, sender in found]
+
+    def loss_times(self) -> Iterator[tuple[int, Sender, Loss]]:
+        """Yield when the recorder found messages of a sender lost [ns since 1970], and how many.
+
+        They were lost since the record before, which is at most some seconds earlier.
+        """
+        for note in self.index.lost:
+            for number, (lost, sent) in note.counts.items():
+                if lost > 0 and (sender := self.senders.get(number)):
+                    yield note.time, sender, Loss(lost, sent)
+
+    def of_block(self, block: Block, start: int) -> Iterator[tuple[Event, Sender | None]]:
+        """Yield the places of a block's events from a byte on, with their senders if known."""
         found: Iterable[Event] = self.events(block.start, block.end)
         channels = block.channels
         if any(len(count.senders) > 1 for count in channels.values()):

@@ -37,7 +37,7 @@ from lcmtools.observe.reading.sources import LogObserver, Observer, open_observe
 from lcmtools.wire.packet import Packet
 
 if TYPE_CHECKING:  # not needed for a bus
-    from lcmtools.observe.reading.log_file import LogFile
+    from lcmtools.observe.reading.logs import Logs
 
 QUIET = 0.03  # the graph counts as complete when no node has appeared for this time [s]
 _AT_LEAST = 0.05  # [s] that nodes have to answer, several times as long as they need
@@ -99,8 +99,8 @@ class BusMonitor:
         self._presence = Presence(node, self._observer.send, on_shutdown)
         self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
         self._has_told = False
-        if self.log:
-            self._add_index(self.log)
+        if self.logs:
+            self._add_indexes(self.logs)
 
     def __enter__(self) -> "BusMonitor":
         """Use the monitor as a context manager."""
@@ -279,14 +279,14 @@ class BusMonitor:
         return self.url.provider in _NUMBERED
 
     @property
-    def log(self) -> "LogFile | None":
-        """The log that is read at once; None if the source is a bus."""
-        return self._observer.file if isinstance(self._observer, LogObserver) else None
+    def logs(self) -> "Logs | None":
+        """The logs that are read at once; None if the source is a bus."""
+        return self._observer.logs if isinstance(self._observer, LogObserver) else None
 
     def losses(self, since: Losses | None = None) -> Losses:
         """Return the loss of each sender, since an earlier count; empty if none is known."""
-        if self.log:
-            return self.log.losses()
+        if self.logs:
+            return self.logs.losses()
         return losses(self._observer.numbered, since)
 
     def types_of(self, channel: str) -> tuple[str, ...]:
@@ -298,13 +298,13 @@ class BusMonitor:
         self._builder.forget(node.id)
         self._records.remove(node.id)
 
-    def _add_index(self, log: "LogFile") -> None:
-        """Add the nodes and types that a log's index has."""
+    def _add_indexes(self, logs: "Logs") -> None:
+        """Add the nodes and types that the indexes of logs have."""
         from lcmtools.packages import provide_recorded_types
 
-        for packet in log.announcements():
+        for packet in logs.announcements():
             self._builder.add(packet)
-        provide_recorded_types(log.index.types.values())
+        provide_recorded_types(logs.types())
 
     def _note_outage(self, text: str, trouble: str) -> None:
         self.trouble = trouble

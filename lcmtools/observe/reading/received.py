@@ -1,14 +1,17 @@
 """Decoded messages of topics, from a bus or a log, for Python programs."""
 
 import os
-from collections.abc import Callable, Generator, Iterator
+import warnings
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import DecodeError, UsageError
+from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.messages.filter import Filter
 from lcmtools.messages.registry import Message
 from lcmtools.messages.supply import has_supply
@@ -60,11 +63,12 @@ class Arrival:
 def messages(  # noqa: PLR0913 - each is a separate option
     *topics: str,
     url: str | None = None,
-    log: str | Path | None = None,
+    log: str | Path | Sequence[str | Path] | None = None,
     where: str | None = None,
     timeout: float | None = None,
     wall_time: bool = False,
     on_error: Callable[[DecodeError], None] | None = None,
+    undecoded: bool = False,
     between: tuple[int, int] | None = None,
 ) -> Generator[Arrival, None, None]:
     """Yield the messages of topics as they arrive on a bus, or all those in a log.
@@ -77,13 +81,14 @@ def messages(  # noqa: PLR0913 - each is a separate option
         *topics: Names or patterns (see ``lcmtools.names.Pattern``). A relative name is the plain
             LCM channel or the topic in the namespace LCMTOOLS_NAMESPACE, whichever exists.
         url: The bus; None for the one that the environment and the settings file select.
-        log: A log file to read at once, instead of a bus.
+        log: A log file to read at once, instead of a bus, or several as one.
         where: Yield only messages for which this expression, as of ``echo --filter``, is true:
             ``"m.pose.pose.position.x > 1"``. Those that cannot be decoded are left out.
         timeout: The longest time without a message [s]; None for no limit.
         wall_time: Use the system clock even if a simulator publishes /clock.
-        on_error: Called if a message cannot be decoded, which is then left out; None to yield an
-            arrival whose ``message`` raises the error.
+        on_error: Called for each message that is left out because it cannot be decoded; None for
+            a Python warning, once for each error.
+        undecoded: Yield an arrival for such a message, too; its ``message`` raises the error.
         between: For a log, first and last time of recording of the messages [ns since 1970].
 
     Raises:
@@ -108,7 +113,8 @@ def messages(  # noqa: PLR0913 - each is a separate option
         stream = ArrivalStream(
             monitor, selections, names, wall_time=wall_time or not monitor.is_live, strict_time=True
         )
-        arrivals = _decoded(monitor, stream, condition, on_error)
+        leave_out = None if undecoded and not condition else on_error or _warner()
+        arrivals = _decoded(monitor, stream, condition, leave_out)
         found = _left_in_the_end(stack.pop_all(), taken(stream, arrivals, timeout))
     next(found)  # runs to its first yield: from now on, closing it leaves the bus
     return cast("Generator[Arrival, None, None]", found)
@@ -120,11 +126,15 @@ def usual_names() -> Resolver:
 
 
 def _monitor(
-    url: str | None, log: str | Path | None, between: tuple[int, int] | None
+    url: str | None,
+    log: str | Path | Sequence[str | Path] | None,
+    between: tuple[int, int] | None,
 ) -> BusMonitor:
     if log is not None:
-        path = str(log)
-        return BusMonitor(BusUrl("file", path), "messages", os.environ, LogObserver(path, between))
+        paths = [log] if isinstance(log, (str, Path)) else log
+        url_of_logs = BusUrl("file", ",".join(map(str, paths)))
+        observer = LogObserver(*paths, between=between)
+        return BusMonitor(url_of_logs, "messages", os.environ, observer)
     chosen, _ = choose_url(url, None, os.environ, read_user_file(os.environ))
     return BusMonitor(chosen, "messages", os.environ, whole=True, plays=False)
 
@@ -133,7 +143,7 @@ def _decoded(
     monitor: BusMonitor,
     stream: ArrivalStream,
     condition: Filter | None,
-    on_error: Callable[[DecodeError], None] | None,
+    leave_out: Callable[[DecodeError], None] | None,
 ) -> Callable[[SelectedPacket], Arrival | None]:
     decoder, senders = Decoder(monitor.types_of), SenderNames()
 
@@ -143,9 +153,8 @@ def _decoded(
         try:
             decoded = decoder.decode(packet)
         except DecodeError as error:
-            if on_error is not None:
-                on_error(error)
-            if on_error is not None or condition:
+            if leave_out is not None:
+                leave_out(DecodeError(f"{packet.channel}: {error}"))
                 return None
             decoded = error
         else:
@@ -156,6 +165,18 @@ def _decoded(
         return Arrival(packet.channel, decoded, found.time, senders.name(packet.sender), packet)
 
     return to_arrival
+
+
+def _warner() -> Callable[[DecodeError], None]:
+    """Return a function that warns of each error once."""
+    told = BoundedDict[str, bool](MOST_FLOWS)
+
+    def warn(error: DecodeError) -> None:
+        if not told.use(error.what):
+            told[error.what] = True
+            warnings.warn(f"a message is left out: {error}", stacklevel=7)  # of the loop
+
+    return warn
 
 
 def _left_in_the_end(

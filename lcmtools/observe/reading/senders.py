@@ -16,9 +16,7 @@ from typing import NamedTuple
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.bus.kernel import (
-    ANNOUNCED,
-    SELECTIVE,
-    SUBSCRIBED,
+    OWN_MARKS,
     marked_sockets,
     own_pid_namespace,
 )
@@ -156,7 +154,7 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     is_log = url.provider == "file"  # whose programs need not run now, or here
     table = SocketTable({}, {}) if is_log else SocketTable.read()
     listening = frozenset() if is_log else listening_sockets(url)
-    others = marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED) - table.holders.keys()
+    others = marked_sockets(*OWN_MARKS) - table.holders.keys()
     known = {*nodes_by_pid(graph.nodes, table.holders.values()), os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():
@@ -174,6 +172,16 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
         if not (key[0] and key[0].pid in known)
     ]
     return sorted(made, key=_order)
+
+
+def listening_programs(graph: Graph, url: BusUrl) -> list[Program] | None:
+    """Return the programs that are no nodes and receive from a bus, on channels that nobody sees.
+
+    None if such programs are not seen, as on a server's bus.
+    """
+    if not url.is_multicast:
+        return None
+    return [program for program in programs(graph, url) if program.listens]
 
 
 def is_here(node: Node) -> bool:

@@ -3,8 +3,9 @@
 Belongs here: the choice of the observer for a URL. Nothing above needs to know it.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
+from pathlib import Path
 from types import MappingProxyType
 from typing import Protocol
 
@@ -56,32 +57,37 @@ class Observer(Protocol):
 
 
 class LogObserver:
-    """The messages of a log file, as fast as they can be read, with the times of recording.
+    """The messages of log files, as fast as they can be read, with the times of recording.
 
-    ``between`` is the first and last time of the messages that count [ns since 1970].
+    ``between`` is the first and last time of the messages that count [ns since 1970], ``last`` the
+    number of the last ones of each channel that count; None for all.
     """
 
     port = 0
     is_live, is_log, is_awaiting, has_strangers = False, True, False, False
     numbered: Mapping[Sender, Sequence] = MappingProxyType({})
 
-    def __init__(self, path: str, between: tuple[int, int] | None = None) -> None:
-        from lcmtools.observe.reading.log_file import LogFile
+    def __init__(
+        self,
+        *paths: str | Path,
+        between: tuple[int, int] | None = None,
+        last: int | None = None,
+    ) -> None:
+        from lcmtools.observe.reading.logs import Logs
 
-        self.file: LogFile = LogFile(path)  # the log, whose index may know nodes, types and losses
-        self._between = between
-        self.rewind()
+        self.logs: Logs = Logs(paths)  # whose indexes may know nodes, types and losses
+        self.logs.between, self._last = between, last
+        self._packets: Iterator[Packet] | None = None
 
     def rewind(self) -> None:
         """Begin again with the first message."""
-        self._packets = self.file.packets()
-        if self._between:
-            first, last = self._between
-            found = self.file.packets(self.file.offset_at(first))
-            self._packets = (packet for packet in found if first <= packet.time <= last)
+        self._packets = None
 
     def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - a log never waits
         """Return the next messages; raises BusError if the file cannot be read."""
+        if self._packets is None:
+            logs, last = self.logs, self._last
+            self._packets = logs.packets() if last is None else logs.last(last)
         packets = list(islice(self._packets, _BATCH))
         if not packets:
             raise EOFError
@@ -93,7 +99,7 @@ class LogObserver:
     def close(self) -> None:
         """Close the file."""
         self._packets = iter(())
-        self.file.close()
+        self.logs.close()
 
 
 def open_observer(

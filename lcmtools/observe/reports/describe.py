@@ -9,7 +9,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
 from lcmtools.names import did_you_mean, is_of_lcm
-from lcmtools.observe.reading.decoding import possible_types
+from lcmtools.observe.reading.decoding import like_text, possible_types
 from lcmtools.observe.reading.senders import SocketTable, is_contained
 
 UNKNOWN = "unknown type"
@@ -89,10 +89,12 @@ def fingerprint_rows(topic: Topic) -> list[str]:
         return [
             "Fingerprint: changes from message to message, as in data that is not an LCM message"
         ]
-    return [
-        f"Fingerprint: {value:#018x} ({' or '.join(possible_types(value, topic.name)) or UNKNOWN})"
-        for value in topic.fingerprints
-    ]
+
+    def meaning(value: int) -> str:
+        names = possible_types(value, topic.name)
+        return " or ".join(names) or UNKNOWN + like_text(value, topic.name, topic.types)
+
+    return [f"Fingerprint: {value:#018x} ({meaning(value)})" for value in topic.fingerprints]
 
 
 def behind_record(node: Node) -> dict[str, object]:

@@ -6,7 +6,13 @@ from lcmtools.bus.processes import usage_of
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.model import VERSION, Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
-from lcmtools.observe.measuring.counters import callback_record, callback_times, fair_average
+from lcmtools.observe.measuring.counters import (
+    UNCOUNTED,
+    callback_record,
+    callback_times,
+    counted,
+    fair_average,
+)
 from lcmtools.observe.reading.senders import is_here, user_name
 from lcmtools.observe.reports import node_list_report
 from lcmtools.observe.reports.describe import (
@@ -141,6 +147,8 @@ def ping_summary(times: Sequence[float]) -> list[str]:
 
 
 def _counter(node: Node, endpoint: Endpoint) -> str:
+    if not endpoint.is_counted:
+        return f" * {endpoint.topic}: {UNCOUNTED}"
     verb = "sent" if endpoint.role is Role.PUBLISHER else "received"
     rate, took = fair_average(node, endpoint), callback_times(endpoint)
     average = "" if rate is None else f", {rate:.3g} Hz on average"
@@ -172,10 +180,7 @@ def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
         "topic": endpoint.topic,
         "types": endpoint_types(endpoint),
         "depth": endpoint.depth,
-        "messages": endpoint.messages,
-        "bytes": endpoint.bytes,
-        "drops": endpoint.drops,
-        "incomplete": endpoint.incomplete,
+        **counted(endpoint),
         **callback_record(endpoint),
     }
 

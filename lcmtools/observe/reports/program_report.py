@@ -93,6 +93,18 @@ def command_text(program: Program) -> str:
     return f"a program{candidates_text(program.candidates)}"
 
 
+def pid_of(program: Program) -> int | None:
+    """Return a program's pid; None if it is not shown."""
+    return program.process.pid if program.process else None
+
+
+def program_text(program: Program) -> str:
+    """Return a program's name with its pid, or its user."""
+    shown = [f"pid {pid_of(program)}"] if program.process else []
+    shown += [] if shown or not program.user else [f"user {program.user}"]
+    return " ".join((command_text(program), *(f"({one})" for one in shown)))
+
+
 def _kinds(seen: Traffic) -> Kinds:
     return seen_kinds(seen.fingerprints, seen.channel)
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
 from lcmtools.observe.measuring.counters import Counters
 from lcmtools.observe.reading.losses import Loss
+from lcmtools.observe.reading.senders import Program
 from lcmtools.observe.reports.describe import (
     fingerprint_rows,
     node_text,
@@ -13,10 +14,18 @@ from lcmtools.observe.reports.describe import (
     type_text,
     types_record,
 )
+from lcmtools.observe.reports.program_report import pid_of, program_text
+
+_UNSEEN = "they listen to the bus; on which channels is not seen"
 
 
-def rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
-    """Return the lines of rostopic info, each node with its process and, below, its counters."""
+def rows(
+    topic: Topic, counters: Counters, listeners: Sequence[Program] | None, *, verbose: bool
+) -> list[str]:
+    """Return the lines of rostopic info, each node with its process and, below, its counters.
+
+    ``listeners`` are programs that may receive it, too; None if such programs are not seen.
+    """
     found = [f"Type: {type_text(topic)}"]
     if not topic.types or verbose:
         found += fingerprint_rows(topic)
@@ -32,11 +41,16 @@ def rows(topic: Topic, counters: Counters, *, verbose: bool) -> list[str]:
     ]
     subscribed = _nodes(topic.subscribers, counters, verbose=verbose)
     found += ["", *_section("Publishers", published), ""]
-    found += [*_section("Subscribers", subscribed), "", ""]
-    return found
+    if listeners is None and not subscribed:
+        return [*found, "Subscribers: not known of programs that are no nodes", "", ""]
+    names = ", ".join(map(program_text, listeners or ()))
+    subscribed += [[f"not known: {names}", _UNSEEN]] if names else []
+    return [*found, *_section("Subscribers", subscribed), "", ""]
 
 
-def record(topic: Topic, counters: Counters) -> dict[str, object]:
+def record(
+    topic: Topic, counters: Counters, listeners: Sequence[Program] | None
+) -> dict[str, object]:
     """Return the same for JSON."""
     return {
         "topic": topic.name,
@@ -59,6 +73,9 @@ def record(topic: Topic, counters: Counters) -> dict[str, object]:
             }
             for text, seen in _programs(topic)
         ],
+        # it is not seen on which channels these programs listen
+        "possible_subscribers": listeners
+        and [{"program": program_text(one), "pid": pid_of(one)} for one in listeners],
     }
 
 

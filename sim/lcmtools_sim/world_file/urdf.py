@@ -4,15 +4,28 @@ Every joint is at zero. Drives are not known here, see urdf_robot.py. The format
 http://wiki.ros.org/urdf/XML.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import PurePath
 
 from lcmtools.errors import InvalidFile
 from lcmtools_sim.geometry import ZERO, Frame, Pose
-from lcmtools_sim.shapes import GREY, Color, Cuboid, Cylinder, Inertial, Part, Shape, Sphere
+from lcmtools_sim.shapes import (
+    GREY,
+    Color,
+    Cuboid,
+    Cylinder,
+    Inertial,
+    Part,
+    Shape,
+    Sphere,
+    is_possible,
+)
 from lcmtools_sim.world_file.markup import Element, load_markup
 
 _BASE = "base_link"
+_COMMENT = re.compile("<!--.*?-->", re.DOTALL)
+_XACRO = re.compile(r"<xacro:|\$[{(]|<(?:property|macro)\s")  # with or without its namespace
 _TENSOR = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -45,7 +58,7 @@ class Urdf:
     name: str  # the robot's
     links: dict[str, Link]  # by name, in the frame of base_link, or of the first link without one
     joints: dict[str, Joint]  # by name
-    notes: tuple[str, ...]  # notes on links that were left out
+    notes: tuple[str, ...]  # notes on links that were left out, or whose inertia is impossible
 
 
 def read_urdf(text: str, source: str) -> Urdf:
@@ -64,11 +77,16 @@ def read_urdf(text: str, source: str) -> Urdf:
         for name, link in elements.items()
         if not link.all("collision") and any(v.path("geometry", "mesh") for v in link.all("visual"))
     )
+    notes += tuple(
+        f"{link.element.place}: no body has the inertia of link '{name}': the engine changes it"
+        for name, link in links.items()
+        if link.inertial and not is_possible(link.inertial)
+    )
     return Urdf(root, root.attribute("name"), links, joints, notes)
 
 
 def _refuse_xacro(text: str, source: str) -> None:
-    if source.endswith(".xacro") or "<xacro:" in text:
+    if source.endswith(".xacro") or _XACRO.search(_COMMENT.sub("", text)):
         plain = PurePath(source.removesuffix(".xacro")).with_suffix(".urdf").name
         if plain == PurePath(source).name:  # the file would be emptied before xacro reads it
             plain = f"plain_{plain}"

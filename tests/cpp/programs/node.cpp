@@ -72,8 +72,30 @@ class Everything : public lcmtools::Node {
   lcmtools::Client<std_srvs::SetBool_Request, std_srvs::SetBool_Response>::SharedPtr client_;
 };
 
+// Call the node's own service, which can only be answered meanwhile.
+static void call_itself(Everything& node) {
+  std_srvs::SetBool_Request request{};
+  auto own = node.create_client<std_srvs::SetBool_Request, std_srvs::SetBool_Response>("refuse");
+  auto refused = own->call_async(request);
+  request.data = true;
+  auto answered = own->async_send_request(request);
+  if (lcmtools::spin_until_future_complete(node, answered) != lcmtools::FutureReturnCode::SUCCESS) return;
+  std::puts(answered.get().message.c_str());
+  try {
+    refused.get();
+  } catch (const lcmtools::Error& error) {
+    std::puts(error.what());
+  }
+  auto nobody = node.create_client<std_srvs::SetBool_Request, std_srvs::SetBool_Response>("nobody")->call_async(request);
+  if (lcmtools::spin_until_future_complete(node, nobody, 100ms) == lcmtools::FutureReturnCode::TIMEOUT) std::puts("timeout"), std::fflush(stdout);
+  if (lcmtools::spin_until_future_complete(node, nobody) == lcmtools::FutureReturnCode::INTERRUPTED) std::puts("interrupted");
+  else std::puts(nobody.get().message.c_str()), std::fflush(stdout);
+}
+
 int main(int argc, char** argv) {
-  lcmtools::init(argc, argv);
-  lcmtools::spin(std::make_shared<Everything>());
+  const auto words = lcmtools::init(argc, argv);
+  const auto node = std::make_shared<Everything>();
+  if (!words.empty() && words[0] == "call") call_itself(*node);
+  lcmtools::spin(node);
   std::puts("spun");
 }

@@ -217,3 +217,16 @@ def test_a_number_that_ros_cannot_hold_is_left_out(tmp_path: Path, cli: Run) -> 
     assert (result.code, result.out) == (1, f"{tmp_path / 'b.bag'}: 1 messages\n")
     assert_says(result.err, "/item", "one", str(2**32))
     assert_says(result.err, "/item", "some", "-1")
+
+
+@pytest.mark.parametrize("level", [2, 200])
+def test_a_byte_above_127_is_named_where_a_shipped_type_has_it_signed(
+    tmp_path: Path, level: int
+) -> None:
+    path, store = tmp_path / "db3", own_types(2)
+    bits = level - 256 * (level > 127)  # as the library writes it
+    fields = {"level": bits, "name": "", "message": "", "hardware_id": "", "values": []}
+    write_bag(path, store, Topic("/d", "diagnostic_msgs/msg/DiagnosticStatus", [fields]))
+    reading, (message,) = _imported(path)
+    assert message.level == bits
+    assert [str(level) in row for row in reading.report.changes()] == [True] * (level > 127)

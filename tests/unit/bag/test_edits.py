@@ -85,6 +85,37 @@ def test_filter_keeps_what_meets_the_condition_with_its_senders() -> None:
         assert log.index.size == log.size
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("/a/number", "m.data >= 990", "--keep-others"),
+        ("m.data >= 990", "-t", "/a/*", "--keep-others"),
+        ("/a", "m.data >= 990", "--keep-others", "-x", "/none/**"),
+    ],
+)
+def test_a_condition_for_one_topic_keeps_the_others(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    is_wrong = "-x" in words  # there is no such topic
+    assert main(["bag", "filter", "in.lcmlog", "out.lcmlog", *words]) == is_wrong
+    if is_wrong:
+        assert_says(capsys.readouterr().err, "there is no topic /none")
+        return
+    found = _read("out.lcmlog")
+    assert [one.payload for one in found if one.channel == "/a/number"] == [
+        _number(n) for n in range(990, 1000)
+    ]
+    assert len(found) == 110
+
+
+def test_a_condition_after_a_topic_is_for_it_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    _bag("filter", "in.lcmlog", "out.lcmlog", "/a/number", "m.data >= 990")
+    assert {packet.channel for packet in _read("out.lcmlog")} == {"/a/number"}
+    for words in (["m.data > 1", "--keep-others"], ["--keep-others"], ["/a", "/b", "m.data > 1"]):
+        assert main(["bag", "filter", "in.lcmlog", "out2.lcmlog", *words]) == 2
+    assert_says(capsys.readouterr().err, "name a topic and its condition", "too many arguments: /b")
+
+
 def test_filter_leaves_out_topics_and_times() -> None:
     _bag("filter", "in.lcmlog", "out.lcmlog", "-x", "/a", "-s", "10s", "-e", "end-10s")
     found = _read("out.lcmlog")

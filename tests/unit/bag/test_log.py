@@ -56,7 +56,10 @@ def test_what_cannot_be_decoded_is_an_error_or_reported(path: Path) -> None:
     with lcmtools.bag.open(path) as log:
         assert len(list(log.messages(on_error=errors.append))) == 100
         assert len(errors) == 1
-        every = list(log)
+        with pytest.warns(UserWarning, match="a message is left out: RAW: too short") as warned:
+            assert len([arrival.message for arrival in log]) == 100
+        assert [Path(one.filename).name for one in warned] == ["test_log.py"]
+        every = list(log.messages(undecoded=True))
     assert len(every) == 101
     odd = [one for one in every if isinstance(one.decoded, DecodeError)]
     assert [(one.topic, one.payload) for one in odd] == [("RAW", b"x")]

@@ -14,7 +14,11 @@ from lcmtools.cli.main import main
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
+from lcmtools.messages.fields import fields
+from lcmtools.messages.registry import message_class
+from lcmtools.messages.type_versions import fingerprint_of
 from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.packages import provide_user_types
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.log_index import LostMessages, RecordedNode
 from lcmtools.wire.packet import Packet, Sender
@@ -130,3 +134,40 @@ def test_a_thousand_channels_are_not_each_a_reason_to_look_at_all(
     path.write_bytes(b"".join(encode_event(n, one) for n, one in enumerate(packets)))
     assert main(["echo", "-b", str(path), "**", "--raw"]) == 0
     assert len(looks) < 100
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "echo POSE",
+        "echo POSE --json",
+        "echo POSE/x",
+        "info POSE",
+        "type POSE",
+        "hz POSE --filter m.x>0",
+        "delay POSE",
+        "plot POSE/x -o plot.svg",
+        "wtf",
+        "bag export {} out.jsonl",
+        "bag export {} out.mcap",
+    ],
+)
+def test_the_known_type_that_is_like_an_unknown_one_is_named(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "types" / "own_msgs"
+    folder.mkdir(parents=True)
+    struct = "package own_msgs; struct Pose2 { double x; double heading_q; int32_t mode; }"
+    (folder / "Pose2.lcm").write_text(struct)
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(folder.parent))
+    provide_user_types()
+    number = fingerprint_of(fields(message_class("own_msgs/Pose2"))[:2])
+    packet = Packet("POSE", number.to_bytes(8, "big") + bytes(16), _START)
+    Path("old.lcmlog").write_bytes(encode_event(0, packet))
+    words = command.format("old.lcmlog").split()
+    main(words if words[0] == "bag" else [*words, "-b", "old.lcmlog"])
+    assert "like own_msgs/Pose2, but without the field mode" in "".join(capsys.readouterr())

@@ -1,5 +1,6 @@
 """When the messages of a log are due: rates, pauses, seeking and loops, on a clock set by hand."""
 
+import math
 from collections.abc import Iterator
 
 import pytest
@@ -154,3 +155,14 @@ def test_keys(keys: list[str], position: tuple[float, float, bool]) -> None:
 @pytest.mark.parametrize("key", ["q", ESCAPE])
 def test_a_key_ends(key: str) -> None:
     assert press(player(at(1)), key, 0) == (False, None)
+
+
+def test_a_quiet_stretch_is_skipped() -> None:
+    one = player(at(1, 100, 101), 200.0)
+    assert played(one, 1.0) == [1]
+    one.skip(2 * S)
+    assert played(one, 2.0) == [100]
+    assert played(one, 3.0) == [101]
+    one = player(at(1, 100), 200.0, is_paused=True)
+    one.skip(S)
+    assert one.wait(S) == math.inf

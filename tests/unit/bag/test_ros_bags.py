@@ -7,14 +7,17 @@ from typing import Protocol
 
 import pytest
 from fixtures.says import assert_says, raises_saying
+from mcap.writer import CompressionType, Writer
 
+from lcmtools.bag.mcap_reading import MAGIC
 from lcmtools.bag.ros_bags import McapFile, RosBag
 from lcmtools.bag.ros_import import Imported, RosImport
 from lcmtools.errors import DecodeError, InvalidFile, LcmtoolsError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.plain import to_plain
-from lcmtools.messages.registry import Message
+from lcmtools.messages.registry import Message, message_class
 from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.packages import provide_user_types
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
@@ -76,8 +79,6 @@ def test_a_time_that_ros_has_not_is_left_out(name: str, time: int, tmp_path: Pat
 
 
 def test_types_that_are_not_known_are_translated(tmp_path: Path) -> None:
-    from mcap.writer import Writer
-
     schema = "std_msgs/Header header\nmine_msgs/Point2[] points\nuint16 COUNT=3\nint8[2] pair\n"
     schema += "=" * 80 + "\nMSG: mine_msgs/Point2\nfloat32 x\nstring name\n"
     schema += "=" * 80 + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
@@ -102,8 +103,6 @@ def test_types_that_are_not_known_are_translated(tmp_path: Path) -> None:
 
 
 def test_messages_in_other_encodings_are_counted(tmp_path: Path) -> None:
-    from mcap.writer import Writer
-
     path = tmp_path / "json.mcap"
     with path.open("wb") as file:
         writer = Writer(file)
@@ -150,3 +149,67 @@ def test_what_is_no_bag_is_said_to_be_none(tmp_path: Path) -> None:
         list(RosImport().read(tmp_path / "a.db3"))
     with raises_saying(LcmtoolsError, "cannot read", "gone.bag: No such file"):
         list(RosImport().read(tmp_path / "gone.bag"))
+
+
+def test_a_file_that_is_cut_off_anywhere_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=200, compression=CompressionType.NONE)
+        writer.start()
+        schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data\n")
+        channel = writer.register_channel("/a", "cdr", schema)
+        for time in range(30):
+            data = b"\0\1\0\0\4\0\0\0abc\0"
+            writer.add_message(channel, log_time=time, data=data, publish_time=time)
+        writer.finish()
+    content, at, ends = path.read_bytes(), len(MAGIC), list[int]()
+    while at < len(content) - len(MAGIC):
+        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
+        ends.append(at)
+    assert len(ends) > 10
+    for end in ends[2:]:  # from the first whole chunk on
+        path.write_bytes(content[:end])
+        reading = RosImport()
+        assert list(reading.read(path))
+        assert reading.report.losses() == [f"{path}: it is cut off at byte {end}"]
+        assert not reading.report.is_complete
+
+
+@pytest.mark.parametrize("file", ["Wheel.msg", "Wheel.lcm"])
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_bag_without_definitions_has_the_types_of_the_workspace(
+    file: str, version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "types" / "own_msgs"
+    folder.mkdir(parents=True)
+    is_ros = file.endswith("msg")
+    text = (
+        "uint16 number\nfloat64[] speeds\nPart part\n"
+        if is_ros
+        else (
+            "package own_msgs;"
+            "struct Wheel { int16_t number; int32_t n; double speeds[n]; Part part; }"
+        )
+    )
+    part = "uint8 x\n" if is_ros else "package own_msgs; struct Part { byte x; }"
+    (folder / file).write_text(text)
+    (folder / file.replace("Wheel", "Part")).write_text(part)
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(folder.parent))
+    provide_user_types()
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as out:
+        writer = Writer(out)
+        writer.start()
+        name = "own_msgs/Wheel" if version == 1 else "own_msgs/msg/Wheel"
+        schema = writer.register_schema(name, "", b"")
+        channel = writer.register_channel("/wheel", "ros1" if version == 1 else "cdr", schema)
+        rest = b"\1\0\0\0" + bytes(6) + b"\xf8\x3f" + b"\7"
+        data = (b"\xe8\3" if version == 1 else b"\0\1\0\0\xe8\3\0\0") + rest
+        writer.add_message(channel, log_time=5, data=data, publish_time=5)
+        writer.finish()
+    reading = RosImport()
+    (one,) = reading.read(path)
+    assert reading.report.is_complete
+    found = to_plain(one.message)
+    assert (found["number"], found["speeds"], found["part"]) == (1000, [1.5], {"x": 7})
+    assert isinstance(one.message, message_class("own_msgs/Wheel"))

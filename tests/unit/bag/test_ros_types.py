@@ -117,7 +117,7 @@ def test_names() -> None:
 def test_a_type_with_other_fields_does_not_fit() -> None:
     types = RosTypes(1)
     types.ros_type(LaserScan)
-    conversion = Conversion(types.store)
+    conversion = Conversion(types.store, 2)
     assert conversion.fits(LaserScan, "sensor_msgs/msg/LaserScan")
     assert not conversion.fits(Image, "sensor_msgs/msg/LaserScan")
     assert not conversion.fits(Image, "sensor_msgs/msg/None")

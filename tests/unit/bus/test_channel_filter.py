@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus import channel_receiver, group_receiver, multicast
-from lcmtools.bus.channel_receiver import ChannelReceiver
+from lcmtools.bus import group_receiver, multicast
+from lcmtools.bus.group_receiver import GroupReceiver
 from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.socket_filter import (
     FilterProgram,
@@ -132,7 +132,7 @@ def attached(monkeypatch: pytest.MonkeyPatch) -> Attached:
 
 @pytest.mark.usefixtures("attached")
 def test_a_fleets_next_robot_passes_a_filter_of_endings_already(bus_url: str) -> None:
-    receiver = ChannelReceiver(parse_url(bus_url))
+    receiver = GroupReceiver(parse_url(bus_url), ())
     receiver.let_pass([f"/husky{number}/odometry" for number in range(50)])
     of_few = receiver.passes("/husky50/odometry")
     receiver.let_pass([f"/husky{number}/odometry" for number in range(51)])
@@ -145,7 +145,7 @@ def test_a_receiver_has_more_sockets_when_large_messages_need_them(
     attached: Attached, lets_pass: LetsPass, bus_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
-    receiver = ChannelReceiver(parse_url(bus_url))
+    receiver = GroupReceiver(parse_url(bus_url), ())
     receiver.let_pass(["/camera/image"])
     receiver.make_room(130_000)  # two fragments: the one buffer holds three of these
     sockets = [len(receiver.all)]
@@ -171,7 +171,7 @@ def test_without_filters_one_socket_receives_everything(
     for module in (multicast, group_receiver):
         monkeypatch.setattr(module, "attach", refuse)
     monkeypatch.setattr(group_receiver, "IS_LINUX", False)
-    receiver = channel_receiver.ChannelReceiver(parse_url(bus_url))
+    receiver = GroupReceiver(parse_url(bus_url), ())
     receiver.let_pass(["/a"])
     receiver.make_room(10_000_000)
     assert len(receiver.all) == 1

@@ -6,10 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.bus.socket_filter import Instruction, one_channel
+from lcmtools.bus.socket_filter import Instruction, these_channels, wanted
 from lcmtools.wire.datagram import fragments, short_message
 
 LetsPass = Callable[[Sequence[Instruction], bytes], bool]
+
+
+def one_channel(channel: str) -> Sequence[Instruction]:
+    """As ``ChannelSocket`` makes it."""
+    return wanted(these_channels([channel]), heads=True)
+
+
 _CHANNELS = st.text("ab/_", min_size=1, max_size=63)
 
 

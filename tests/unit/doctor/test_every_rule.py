@@ -24,7 +24,6 @@ from lcmtools.doctor.evidence import (
 from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
-from lcmtools.doctor.type_versions import fingerprint_of
 from lcmtools.graph.model import (
     VERSION,
     CallbackError,
@@ -38,6 +37,7 @@ from lcmtools.graph.model import (
 )
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.messages.type_versions import fingerprint_of
 from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000
@@ -88,6 +88,21 @@ def odd(kind: str) -> Evidence:
     return replace(GOOD, oddities=(Oddity(kind, "/a", "/talker", "it is odd", 3),))
 
 
+COMMANDED = Endpoint(
+    *("/r/cmd_vel", Role.SUBSCRIBER, ("geometry_msgs/Twist",), (), "drive"),
+    messages=1,
+    last_time=NOW - 5 * SECOND,
+)
+ODOMETRY = Endpoint("/r/odom", Role.SUBSCRIBER, ("nav_msgs/Odometry",))
+ROBOT = Node(
+    *("/robot", "r", "here", 10, NOW - 100 * SECOND, "run robot"),
+    endpoints=(
+        COMMANDED,
+        TAKES._replace(group="drive"),
+        ODOMETRY._replace(role=Role.PUBLISHER),
+    ),
+    sent=NOW,
+)
 SLOWED = replace(
     graph(TALKER._replace(endpoints=(OLDER._replace(messages=9910, last_time=NOW),)), EAR),
     before=Graph((TALKER._replace(endpoints=(OLDER,)), EAR)),
@@ -107,6 +122,10 @@ EVIDENCE = {
     "covariances": odd("covariance"),
     "damaged-log": replace(GOOD, url="file:///ride.lcmlog", damaged_bytes=449),
     "doubled": replace(GOOD, streams=(replace(EVEN, doubled=20),)),
+    "driven-by-nobody": replace(
+        graph(TALKER, EAR._replace(endpoints=(TAKES, ODOMETRY)), ROBOT),
+        oddities=(Oddity("drives", "/r/odom", "/robot", "drives at 0.50 m/s, 0.00 rad/s", 9),),
+    ),
     "duplicate-names": graph(TALKER, TALKER._replace(id="u", pid=9), EAR),
     "environment": host(environment=("PYTHONPATH has /x, which does not exist",)),
     "firewall": host(firewall="ufw"),
@@ -162,6 +181,7 @@ EVIDENCE = {
     "slow-callbacks": graph(TALKER, BUSY._replace(busy=SECOND)),
     "slow-rate": SLOWED,
     "slow-simulator": replace(GOOD, clock=SimulatedClock("/sim", 0.5, busy=0.99)),
+    "refused-filters": replace(GOOD, listeners=(Listener("/ear", 8, 1000, is_unfiltered=True),)),
     "small-buffer": replace(
         GOOD,
         streams=(replace(EVEN, largest=300_000),),

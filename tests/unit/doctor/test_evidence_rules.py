@@ -33,10 +33,10 @@ from lcmtools.doctor.evidence import (
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.lcm_processes import processor_times
 from lcmtools.doctor.rules import RULES
-from lcmtools.doctor.type_versions import fingerprint_of
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.messages.type_versions import fingerprint_of
 
 
 def test_a_healthy_bus_is_no_finding() -> None:

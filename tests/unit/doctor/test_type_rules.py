@@ -92,8 +92,8 @@ def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one() -> None
 
 def older_odometry() -> int:
     """The fingerprint of nav_msgs/Odometry without its child_frame_id."""
-    from lcmtools.doctor.type_versions import fingerprint_of
     from lcmtools.messages.fields import fields
+    from lcmtools.messages.type_versions import fingerprint_of
 
     parts = fields(message_class(ODOMETRY))
     return fingerprint_of(tuple(field for field in parts if field.name != "child_frame_id"))

@@ -2,9 +2,9 @@
 
 import pytest
 
-from lcmtools.doctor.type_versions import Version, fingerprint_of, other_version
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class, type_names
+from lcmtools.messages.type_versions import Version, fingerprint_of, other_version
 from lcmtools.types.geometry_msgs import Pose2D
 
 X, Y, THETA = fields(Pose2D)

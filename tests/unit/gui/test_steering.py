@@ -1,115 +1,144 @@
 """Steering: what pages let be published."""
 
-import queue
 from typing import cast
 
 from fixtures.says import assert_says
 
 from lcmtools.errors import BusError
+from lcmtools.gui.dead_man import Command
 from lcmtools.gui.page_publisher import Publishers
 from lcmtools.gui.protocol import PageRequest
 from lcmtools.gui.steering import SpeedLimits, Steering
+from lcmtools.gui.steering_process import NoAnswer, SteeringProcess
 from lcmtools.messages.codec import decode
-from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
 
 _TWIST = "geometry_msgs/Twist"
-_LONG = 20.0  # [s] for what comes
+
+
+class FakeProcess:
+    """Keeps the commands that it is told: the operation, forward and turn."""
+
+    pid = 12
+
+    def __init__(self) -> None:
+        self.told: list[Command] = []
+        self.is_gone = self.is_killed = self.is_closed = False
+
+    def execute(self, command: Command) -> str:
+        """Keep a command."""
+        if self.is_gone:
+            raise NoAnswer("it has ended")
+        self.told.append(command)
+        return ""
+
+    def kill(self) -> None:
+        """Note it."""
+        self.is_killed = True
+
+    def close(self) -> None:
+        """Note it."""
+        self.is_closed = True
 
 
 class FakePublishers:
-    """Keeps what is published: topic, forward and turn."""
+    """Keeps what the server itself publishes."""
 
     def __init__(self) -> None:
-        self.sent: queue.SimpleQueue[tuple[str, float, float]] = queue.SimpleQueue()
-        self.is_broken = False
+        self.sent: list[tuple[str, str, float]] = []
 
-    def publish(self, topic: str, kind: type[Message], payload: bytes) -> None:
-        """Keep a Twist."""
-        if self.is_broken:
-            raise BusError("the network is away")
-        assert kind is Twist
-        message = decode(Twist, payload)
-        self.sent.put((topic, message.linear.x, message.angular.z))
-
-    def next(self) -> tuple[str, float, float]:
-        """Return the next one."""
-        return self.sent.get(timeout=_LONG)
+    def publish_payload(self, topic: str, kind: tuple[str, int], payload: bytes) -> None:
+        """Keep a message, and fail."""
+        self.sent.append((topic, kind[0], _velocity(payload)[0]))
+        raise BusError("the network is away")
 
 
-def _steering(*, is_lossy: bool = False) -> tuple[Steering, FakePublishers]:
+def _velocity(payload: bytes) -> tuple[float, float]:
+    message = decode(Twist, payload)
+    return message.linear.x, message.angular.z
+
+
+def _steering() -> tuple[Steering, list[FakeProcess], FakePublishers]:
+    processes: list[FakeProcess] = []
+
+    def start() -> SteeringProcess:
+        processes.append(FakeProcess())
+        return cast("SteeringProcess", processes[-1])
+
     publishers = FakePublishers()
     limits = SpeedLimits(linear=2.0, angular=1.0)
-    return Steering(cast("Publishers", publishers), limits, is_lossy=is_lossy), publishers
+    return Steering(cast("Publishers", publishers), limits, start), processes, publishers
 
 
 def _request(op: str, **values: float | str) -> PageRequest:
     return PageRequest({"op": op, "id": 1, "topic": "/v", "type": _TWIST, **values})
 
 
-def test_commands_are_published_until_the_page_lets_go_then_a_stop_and_silence() -> None:
-    steering, publishers = _steering()
-    assert steering.execute(1, _request("drive", forward=0.5, turn=-0.25)) == ""
-    assert publishers.next() == ("/v", 0.5, -0.25)
-    assert steering.execute(1, _request("release")) == ""
-    assert publishers.next() == ("/v", 0.0, 0.0)
-    steering.close()
-    assert publishers.sent.empty()
+_DRIVE = _request("drive", forward=0.5, turn=-0.25)
+
+
+def test_each_command_is_told_with_its_own_stop_and_the_end_of_its_validity() -> None:
+    steering, processes, _ = _steering()
+    assert steering.execute(1, _DRIVE) == ""
+    assert steering.execute(1, _DRIVE, late=0.2) == ""
+    first, late = processes[0].told
+    assert _velocity(first.payload) == (0.5, -0.25)
+    assert _velocity(first.stop) == (0.0, 0.0)
+    assert late.until < first.until
 
 
 def test_no_page_drives_faster_than_the_server_lets_it() -> None:
-    steering, publishers = _steering()
-    steering.drive(1, "/v", _TWIST, (1000.0, -9.0))
-    assert publishers.next() == ("/v", 2.0, -1.0)
-    steering.close()
+    steering, processes, _ = _steering()
+    steering.execute(1, _request("drive", forward=1000.0, turn=-9.0))
+    assert _velocity(processes[0].told[0].payload) == (2.0, -1.0)
 
 
-def test_all_stops_have_been_sent_when_the_server_is_suspended() -> None:
-    steering, publishers = _steering(is_lossy=True)
-    steering.drive(1, "/v", _TWIST, (0.5, 0.0))
-    steering.stop_all()
-    assert publishers.sent.qsize() == 4
-    steering.close()
+def test_what_a_process_drove_that_does_not_answer_is_stopped_and_another_one_is_started() -> None:
+    steering, processes, publishers = _steering()
+    steering.execute(1, _DRIVE)
+    steering.execute(2, _request("drive", topic="/w", forward=1.0, turn=0.0))
+    steering.execute(3, _request("drive", topic="/x", forward=1.0, turn=0.0))
+    steering.execute(3, _request("release", topic="/x"))
+    processes[0].is_gone = True
+    assert "does not answer" in steering.execute(1, _DRIVE)
+    assert processes[0].is_killed
+    assert {*publishers.sent} == {("/v", _TWIST, 0.0), ("/w", _TWIST, 0.0)}
+    assert steering.execute(1, _DRIVE) == ""
+    assert steering.pids == {12}
+    assert len(processes) == 2
 
 
-def test_a_page_that_falls_silent_is_stopped() -> None:
-    steering, publishers = _steering()
-    steering.drive(1, "/v", _TWIST, (0.5, 0.0))
-    assert publishers.next() == ("/v", 0.5, 0.0)
-    assert publishers.next() == ("/v", 0.0, 0.0)
-    steering.close()
-    assert publishers.sent.empty()
-
-
-def test_the_end_of_the_server_stops_everything_as_often_as_messages_may_be_lost() -> None:
-    steering, publishers = _steering(is_lossy=True)
-    steering.drive(1, "/v", _TWIST, (0.5, 0.0))
-    steering.close()
-    assert [publishers.next() for _ in range(4)] == [("/v", 0.5, 0.0), *[("/v", 0.0, 0.0)] * 3]
-    assert publishers.sent.empty()
-    assert steering.drive(1, "/v", _TWIST, (0.5, 0.0)) == "the server is ending"
-
-
-def test_a_page_that_is_gone_is_stopped() -> None:
-    steering, publishers = _steering()
-    steering.drive(1, "/v", _TWIST, (0.5, 0.0))
+def test_a_page_that_is_gone_releases_all_topics() -> None:
+    steering, processes, _ = _steering()
     steering.leave(1)
-    assert [publishers.next(), publishers.next()] == [("/v", 0.5, 0.0), ("/v", 0.0, 0.0)]
-    steering.close()
+    assert processes == []
+    steering.execute(1, _DRIVE)
+    steering.leave(1)
+    assert processes[0].told[-1] == Command("release", 1)
 
 
-def test_a_stop_is_published_though_nobody_drives() -> None:
-    steering, publishers = _steering()
+def test_a_stop_is_told_though_nobody_drives() -> None:
+    steering, processes, _ = _steering()
     assert steering.execute(1, _request("stop")) == ""
-    assert publishers.next() == ("/v", 0.0, 0.0)
+    (told,) = processes[0].told
+    assert (told.payload, _velocity(told.stop)) == (b"", (0.0, 0.0))
+
+
+def test_the_end_ends_the_process() -> None:
+    steering, processes, _ = _steering()
+    steering.prepare()
     steering.close()
+    assert processes[0].is_closed
+    assert steering.execute(1, _DRIVE) == "the server is ending"
 
 
 def test_commands_that_cannot_be_published_are_refused_with_the_reason() -> None:
-    steering, publishers = _steering()
-    refusal = steering.drive(1, "/v", "sensor_msgs/JointState", (0.5, 0.0))
+    steering, processes, _ = _steering()
+    refusal = steering.execute(
+        1, _request("drive", type="sensor_msgs/JointState", forward=1, turn=0)
+    )
     assert_says(refusal, "JointState", "no velocity")
-    assert_says(steering.drive(1, "/v", "no_msgs/Such", (0.5, 0.0)), "type", "'no_msgs/Such'")
-    publishers.is_broken = True
-    assert steering.drive(1, "/v", _TWIST, (0.5, 0.0)) == "the network is away"
-    steering.close()
+    refusal = steering.execute(1, _request("stop", type="no_msgs/Such"))
+    assert_says(refusal, "type", "'no_msgs/Such'")
+    assert_says(steering.execute(1, _request("stop", topic="/v" * 40)), "63")
+    assert processes == []

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from lcmtools.labs.catalogue import LABS
-from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, ZERO, cause_of
+from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, STOPPED, ZERO, busy, cause_of
 from lcmtools.labs.checks.error_statistics import error_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
@@ -293,13 +293,28 @@ def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
     assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
 
 
-@pytest.mark.parametrize("key", [SELDOM, ZERO])
+@pytest.mark.parametrize("key", [SELDOM, STOPPED, ZERO])
 def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key: str) -> None:
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=key)
     slow = replace(INPUTS[0], calls=10, longest=0.5, busy=5.0)
     look = replace(WELL, subscriptions=[slow])
     cause = cause_of(row, Observations(CONTROLLER, look=look))
     assert cause.text.startswith("its callback of /husky0/odometry runs for 0.5 s: it must return")
+
+
+@pytest.mark.parametrize(
+    ("wire", "is_busy"),
+    [
+        (Wire("/a", calls=6, longest=2.0, busy=12.0), True),
+        (Wire("/a", calls=500, longest=2.0, busy=4.0), False),  # the first call imports something
+        (Wire("/a", calls=1, longest=2.0, busy=2.0), False),
+    ],
+)
+def test_a_callback_that_often_waits_is_known_though_all_else_is_right(
+    wire: Wire, *, is_busy: bool
+) -> None:
+    look = replace(WELL, subscriptions=[wire])
+    assert bool(busy(Observations(CONTROLLER, look=look), often=True)) is is_busy
 
 
 def test_a_program_of_keys_is_not_advised_to_spin() -> None:

@@ -13,7 +13,7 @@ import PIL.Image
 import pytest
 
 from lcmtools.labs.checks import dolly
-from lcmtools.labs.checks.diagnosis import explain_number
+from lcmtools.labs.checks.diagnosis import explain_number, slip
 from lcmtools.labs.checks.driving_keys import (
     DRIVING_KEYS,
     KeyPress,
@@ -36,7 +36,7 @@ from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.labs.nodes.picture.pixels import Picture
 from lcmtools.messages.pixels import Kind
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.sensor_msgs import Image
+from lcmtools.types.sensor_msgs import Image, LaserScan
 
 GOAL = 0.3, 0.4
 """The velocity that an evaluator is to compare a robot at rest with; the error is 0.5."""
@@ -176,7 +176,7 @@ def presses(change: Callable[[str, float, float], Twist | None]) -> dict[str, Ke
         (
             lambda k, v, w: twist(v, w) if k != "i" else twist(0, 0),
             False,
-            "'i' stops the robot: is it in the program's table of keys?",
+            "'i' stops the robot: is it in the program's table of keys, in lower case?",
         ),
     ],
 )
@@ -203,6 +203,65 @@ def test_a_key_with_another_command_has_its_row(
     assert (row.is_ok, row.measured) == (False, measured)
     assert row.hint.startswith(words)
     assert key_cause(drives["u"], drives).text == row.hint
+
+
+@pytest.mark.parametrize(
+    ("facts", "words"),
+    [
+        ({"changes": False}, "'u' changes nothing: is it in the program's table of keys, in lower"),
+        ({"as_capital": True}, "'U' does it, and 'u' does not: the keys are lower-case letters"),
+    ],
+)
+def test_a_key_that_is_not_known_is_not_taken_for_another_one(
+    facts: dict[str, bool], words: str
+) -> None:
+    drives = presses(lambda k, v, w: twist(0.5, -1.0) if k == "u" else twist(v, w))
+    press = replace(drives["u"], **facts)
+    assert key_result(press, "u  forward to the left", drives).hint.startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("printed", "title", "measured"),
+    [
+        ("ahead 5.05 m, left 7.82 m, nearest 3.25", "ahead, left, nearest", "they are"),
+        ("[INFO] front: 5.1", "ahead", "they are"),
+        ("ahead 7.82 m", "ahead", "ahead 7.82, which is ranges[150], 29 degrees left"),
+        ("Distance in front is inf", "ahead", "ahead inf, which is ranges[0], 57 degrees right"),
+        ("left inf, right 7.82", "left, right", "left inf, which is ranges[0], 57 degrees right"),
+        ("closest = 5.05", "nearest", "nearest 5.05, which is ranges[90], 6 degrees right"),
+        ("speed ahead 0.50, 7.82", "", ""),
+        ("7.82 m, ahead", "", ""),
+    ],
+)
+def test_the_direction_that_is_printed_with_a_range_is_that_of_its_beam(
+    printed: str, title: str, measured: str
+) -> None:
+    ranges = [math.inf] * 60 + [3.25] * 12 + [math.inf] * 18 + [5.05] * 40 + [8.1] * 20
+    scan = LaserScan(angle_min=-1.0, angle_increment=0.01, ranges=[*ranges, *[7.82] * 50])
+    ranges[65] = 3.2
+    rows = list(dolly.direction_rows(printed, scan))
+    assert [(row.what, row.measured) for row in rows] == (
+        [(f"prints what is {title}", measured)] if title else []
+    )
+    assert all(row.is_ok is (measured == "they are") for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        ("'Vector3' object has no attribute 'w'", "the angular part of a Twist has no w"),
+        ("'geometry_msgs::Vector3' has no member named \u2018w\u2019", "has no w"),
+        (
+            "no matching function for call to 'M::create_publisher(const char [15], int)'",
+            "create_publisher<geometry_msgs::Twist>(...)",
+        ),
+        ("no matching function for call to 'make_shared()'", "std::make_shared<MovingRobot>()"),
+        ("'Vector3' object has no attribute 'q'", ""),
+    ],
+)
+def test_a_slip_of_the_printed_texts_is_answered(error: str, words: str) -> None:
+    assert words in slip(error)
+    assert words or not slip(error)
 
 
 @pytest.mark.parametrize(

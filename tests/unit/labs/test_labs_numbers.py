@@ -9,7 +9,8 @@ import pytest
 
 from lcmtools.errors import UsageError
 from lcmtools.labs.catalogue import LABS, find_lab
-from lcmtools.labs.checks.check import CHECKS, choose
+from lcmtools.labs.checks.check import CHECKS
+from lcmtools.labs.checks.choice import choose
 from lcmtools.labs.checks.dolly import ranges_in
 from lcmtools.labs.checks.driving_keys import DRIVING_KEYS, SPEED_KEYS, is_alike
 from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
@@ -101,13 +102,13 @@ def test_every_program_has_a_check_and_belongs_to_one_lab() -> None:
 
 
 def test_names_are_added_unless_the_command_line_has_its_own() -> None:
-    (run,) = choose(LABS["husky"], {"controller": "python3 'my node.py'"})
+    (run,), _ = choose(LABS["husky"], {"controller": "python3 'my node.py'"})
     names = ["__ns:=/husky0", "controlled_velocity:=velocity_cmd"]
     assert run.command == ["python3", "my node.py", *names]
-    (run,) = choose(LABS["husky"], {"controller": "sh node __ns:=/husky0"})
+    (run,), _ = choose(LABS["husky"], {"controller": "sh node __ns:=/husky0"})
     assert run.command == ["sh", "node", "__ns:=/husky0"]
     assert not run.is_answer
-    assert all(run.is_answer for run in choose(LABS["husky"], {}))
+    assert all(run.is_answer for run in choose(LABS["husky"], {})[0])
     with pytest.raises(UsageError, match="not a program of the lab dolly"):
         choose(LABS["dolly"], {"viewer": "x"})
 
@@ -127,12 +128,12 @@ def test_nodes_of_the_workspace_are_checked_in_place_of_the_model_answers(
 ) -> None:
     create(NewPackage("mine", "simple_controller"), tmp_path / "mine")
     monkeypatch.chdir(tmp_path)
-    (run,) = choose(LABS["husky"], {})
+    (run,), _ = choose(LABS["husky"], {})
     assert run.command[:4] == ["lcmtools", "run", "mine", "simple_controller"]
     assert not run.is_answer
     typed = {"controller": "lcmtools run simple_controller"}
-    assert not choose(LABS["husky"], typed)[0].is_answer
-    assert all(run.is_answer for run in choose(LABS["dolly"], {}))
+    assert not choose(LABS["husky"], typed)[0][0].is_answer
+    assert all(run.is_answer for run in choose(LABS["dolly"], {})[0])
     shutil.copy(tmp_path / "mine/mine/simple_controller.py", tmp_path / "mine/mine/moving_robot.py")
     with pytest.raises(UsageError, match=r"mine/mine/moving_robot\.py is not a node yet"):
         choose(LABS["dolly"], {})
@@ -148,13 +149,13 @@ def test_scripts_and_nodes_in_cpp_of_the_workspace_are_checked(
     with pytest.raises(UsageError, match=r"mine/src/evaluate_controller.py is not executable"):
         choose(LABS["husky"], {})
     script.chmod(0o755)
-    (run,) = choose(LABS["husky"], {})
+    (run,), _ = choose(LABS["husky"], {})
     assert run.command[:4] == ["lcmtools", "run", "mine", "evaluate_controller.py"]
-    assert choose(LABS["husky"], {"evaluator": "lcmtools run evaluate_controller"})[0].is_answer
+    assert choose(LABS["husky"], {"evaluator": "lcmtools run evaluate_controller"})[0][0].is_answer
     (tmp_path / "mine" / "CMakeLists.txt").write_text("add_executable(moving_robot a.cpp)")
     with pytest.raises(UsageError, match="is not built; type: lcmtools pkg build mine"):
         choose(LABS["dolly"], {})
     (tmp_path / "mine" / "build").mkdir()
     (tmp_path / "mine" / "build" / "moving_robot").touch(0o755)
-    (run,) = choose(LABS["dolly"], {})
+    (run,), _ = choose(LABS["dolly"], {})
     assert run.command[:4] == ["lcmtools", "run", "mine", "moving_robot"]

@@ -273,3 +273,20 @@ def test_a_folder_without_submissions_is_refused(tmp_path: Path) -> None:
         submissions_in(tmp_path)
     with pytest.raises(UsageError, match="takes a folder"):
         submissions_in(tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("errors", "reason"),
+    [
+        (["lcmtools lab check: no space left"], "no space left"),
+        ([], "its check was ended"),
+    ],
+)
+def test_a_part_of_a_report_ends_one_check_and_not_that_of_the_class(
+    errors: list[str], reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "anna.py").write_text("# /dolly/cmd_vel")
+    monkeypatch.setattr(ClassCheck, "_lines", lambda *_: (['{"lab": "do'], errors))
+    reports = ClassCheck(LABS["dolly"], {}, (), None, 1).run(tmp_path, lambda *_: None)
+    (report,) = reports["anna.py"]
+    assert (report.program, report.first_cause) == ("mover", reason)

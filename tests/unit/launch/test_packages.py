@@ -8,9 +8,10 @@ import pytest
 from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import InvalidFile, UsageError
-from lcmtools.launch.executables import Executable, find_executable, find_typed, startable
+from lcmtools.launch.executables import Executable, find_executable, find_typed
 from lcmtools.launch.packages import LABS, find_files, package_folder
 from lcmtools.launch.plan import Plan
+from lcmtools.packages.programs import startable
 
 Make = Callable[..., Path]
 

@@ -62,7 +62,7 @@ GEOMETRY = "lcmtools.types.geometry_msgs"
 @pytest.mark.parametrize(
     ("module", "hint"),
     [
-        (f"{GEOMETRY}.msg", f"write: from {GEOMETRY} import ..., without .msg"),
+        (f"{GEOMETRY}.msg", f"here it is {GEOMETRY}"),
         (f"{GEOMETRY}.Twst", f"write: from {GEOMETRY} import Twist"),
         (f"{GEOMETRY}.Laser", "it has Accel, AccelStamped"),
         ("lcmtools.types.std_srvs.Triger", "write: from lcmtools.types.std_srvs import Trigger"),

@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 from fixtures.fake_bus import FakeBus
+from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.errors import InvalidName, ServiceError
+from lcmtools.errors import InvalidName, ServiceError, ServiceTimeout, UsageError
 from lcmtools.graph.model import Role
 from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
@@ -281,3 +282,104 @@ def test_a_response_that_lcm_cannot_carry_fails_the_call(
     client = Node("client").create_client(Trigger, "much")
     with pytest.raises(ServiceError, match=r"/much: .*20\d\d bytes"):
         client.call(Trigger.Request())
+
+
+def test_an_asynchronous_call_ends_while_its_node_spins(
+    begin: Begin, serve: Serve, start_switch: StartSwitch
+) -> None:
+    begin(bus=_Lossy(request_channel("/switch")))  # the first request is lost
+    server = start_switch()
+    serve(server.node)
+    node = Node("client")
+    future = node.create_client(SetBool, "switch").call_async(_request())
+    seen: list[tuple[object, int]] = []
+    future.add_done_callback(lambda one: seen.append((one.result(), threading.get_ident())))
+    assert future.result() is None
+    lcmtools.spin_until_future_complete(node, future, 20.0)
+    response = future.result()
+    assert response is not None
+    assert response.message == "call 1"
+    assert seen == [(response, threading.get_ident())]
+    assert server.calls == [True]
+
+
+def test_an_asynchronous_call_raises_the_failure_of_its_service(begin: Begin, serve: Serve) -> None:
+    begin()
+    server, node = Node("server"), Node("client")
+
+    def refuse(_request: object, _response: object) -> object:
+        raise ServiceError("it is locked")
+
+    server.create_service(SetBool, "switch", refuse)
+    serve(server)
+    future = node.create_client(SetBool, "switch").call_async(_request())
+    lcmtools.spin_until_future_complete(node, future, 20.0)
+    assert future.done()
+    assert "it is locked" in str(future.exception())
+    with pytest.raises(ServiceError, match="/switch: it is locked"):
+        future.result()
+
+
+def test_a_call_of_ones_own_service_ends_while_both_spin(
+    begin: Begin, start_switch: StartSwitch
+) -> None:
+    begin()
+    node = start_switch().node
+    future = node.create_client(SetBool, "switch").call_async(_request())
+    lcmtools.spin_until_future_complete(node, future, 20.0)
+    assert future.done()
+
+
+def test_a_call_without_an_answer_is_not_done(begin: Begin, bus: FakeBus) -> None:
+    begin(bus=bus)
+    node = Node("client")
+    sent: list[bytes] = []
+    bus.subscribe(request_channel("/nobody"), lambda payload, _: sent.append(payload))
+    future = node.create_client(SetBool, "nobody").call_async(_request())
+    while len(sent) < 2:  # it is repeated
+        lcmtools.spin_until_future_complete(node, future, 0.05)
+    assert not future.done()
+    future.cancel()
+    assert (future.done(), future.cancelled(), future.result()) == (True, True, None)
+    before = len(sent)
+    lcmtools.spin_once(node, 0.6)
+    assert len(sent) == before
+
+
+def test_a_service_of_this_program_that_nobody_spins_is_named(begin: Begin) -> None:
+    begin()
+    server, node = Node("server"), Node("client")
+    server.create_service(Trigger, "go", lambda _, response: response)
+    with pytest.raises(ServiceTimeout) as raised:
+        node.create_client(Trigger, "go").call(Trigger.Request(), timeout=0.05)
+    assert str(raised.value) == (
+        "/go did not answer within 0.05 s: its node /server is in this program, and no other "
+        "thread spins it; use call_async, or call spin_in_background before"
+    )
+
+
+@pytest.mark.parametrize("owner", ["client", "server"])
+def test_a_callback_that_calls_a_service_of_its_own_thread_is_told_at_once(
+    owner: str, begin: Begin
+) -> None:
+    begin()
+    nodes = {name: Node(name) for name in ("client", "server")}
+    nodes[owner].create_service(Trigger, "go", lambda _, response: response)
+    client = nodes["client"].create_client(Trigger, "go")
+    errors: list[str] = []
+
+    def call() -> None:
+        with pytest.raises(ServiceError) as raised:
+            client.call(Trigger.Request(), timeout=1e6)
+        errors.append(str(raised.value))
+        lcmtools.shutdown()
+
+    nodes["client"].create_timer(0.01, call)
+    lcmtools.spin(*nodes.values())
+    assert_says(errors[0], "/go cannot answer", f"/{owner}", "this thread", "call_async")
+
+
+def test_what_is_no_future_is_named(begin: Begin) -> None:
+    begin()
+    with pytest.raises(UsageError, match=r"needs a future, got None; .*call_async"):
+        lcmtools.spin_until_future_complete(Node("n"), None)  # type: ignore[arg-type]

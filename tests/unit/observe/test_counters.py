@@ -10,6 +10,7 @@ from lcmtools.observe.measuring.counters import (
     callback_time,
     duration_text,
 )
+from lcmtools.observe.reports import node_report
 from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000
@@ -103,8 +104,22 @@ def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen() -> None:
     counters = Counters(Graph((node,)), Graph((node,), (seen,), time=100 * SECOND))
     assert "seen messages: 12, bytes: 96" in counters.of_endpoint(node, end)
     assert "last: 1.0 s ago" in counters.of_endpoint(node, end)
-    silent = Counters(Graph((node,)), Graph((node,), time=100 * SECOND))
-    assert "last: never" in silent.of_endpoint(node, end)
+
+
+@pytest.mark.parametrize("role", [Role.PUBLISHER, Role.SUBSCRIBER])
+def test_counts_of_an_endpoint_that_counts_nothing_are_not_known(role: Role) -> None:
+    end = Endpoint("/a", role)
+    node = Node("/a", "id", "host", 1, endpoints=(end, end._replace(topic="/b", depth=5)))
+    counters = Counters(Graph((node,)), Graph((node,), time=100 * SECOND))
+    text, other = (counters.of_endpoint(node, one) for one in node.endpoints)
+    assert text == "messages: not known (its program does not count them)"
+    assert "messages: 0, bytes: 0" in other
+    assert " * /a: messages: not known" in "\n".join(
+        node_report.rows(node, Graph(), 0, [], show_hidden=True)
+    )
+    record, zero = (counters.record(node, one) for one in node.endpoints)
+    for name in ("messages", "bytes", "drops", "incomplete"):
+        assert (record[name], zero[name]) == (None, 0)
 
 
 def test_what_a_simulator_announced_when_its_sensor_became_idle_is_no_rate() -> None:

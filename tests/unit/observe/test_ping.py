@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.errors import NothingReceived
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import Graph, Node, Staleness
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -12,7 +12,7 @@ from lcmtools.graph.protocol import (
     encode_announcement,
     encode_probe,
 )
-from lcmtools.observe.node_requests import ping
+from lcmtools.observe.node_requests import ping, pings
 from lcmtools.wire.packet import Packet
 
 NODE = Node("/a", "id of a", "host", 1)
@@ -30,8 +30,12 @@ def _answer(nonce: int, node: Node = NODE) -> Packet:
 class Bus:
     """A monitor of a bus on which others say something after a request."""
 
-    def __init__(self, *packets: Packet) -> None:
-        self._packets, self._coming = packets, list[Packet]()
+    def __init__(self, *packets: Packet, nodes: tuple[Node, ...] = (NODE,)) -> None:
+        self._packets, self._coming, self._nodes = packets, list[Packet](), nodes
+
+    def graph(self) -> Graph:
+        """Return the nodes on the bus."""
+        return Graph(self._nodes)
 
     def probe(self, _target: str, _nonce: int) -> None:
         """Let the others speak."""
@@ -65,3 +69,26 @@ def test_the_answer_to_somebodys_later_request_counts(flood: int) -> None:
 def test_nothing_else_counts(packets: list[Packet]) -> None:
     with pytest.raises(NothingReceived, match=r"/a did not answer within 0\.05 s"):
         ping(Bus(*packets), NODE, 0.05)  # type: ignore[arg-type] # likewise
+
+
+@pytest.mark.parametrize(
+    ("others", "is_found"),
+    [
+        ((), True),
+        ((NODE._replace(stale=Staleness.ENDED),), True),
+        ((NODE,), False),  # two nodes of one name
+    ],
+)
+def test_a_node_that_was_started_anew_answers_from_then_on(
+    others: tuple[Node, ...],
+    *,
+    is_found: bool,
+) -> None:
+    again = NODE._replace(id="its next run", pid=2, start_time=NODE.start_time + 1)
+    bus = Bus(_probe(7), _answer(7, again), nodes=(*others, again))
+    answers = pings(bus, NODE, 0.05)  # type: ignore[arg-type] # likewise
+    if is_found:
+        assert [next(answers)[0].id for _ in range(2)] == [again.id] * 2
+    else:
+        with pytest.raises(NothingReceived):
+            next(answers)

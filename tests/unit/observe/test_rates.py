@@ -4,6 +4,7 @@ from itertools import pairwise
 from statistics import pstdev
 
 import pytest
+from fixtures.says import assert_says
 
 from lcmtools.errors import DecodeError
 from lcmtools.messages.layout import stamp_reader
@@ -148,6 +149,26 @@ def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970() -> None:
     packet = Packet("/a", message.encode(), 0)
     delay = Delays(Decoder(lambda _: ()), print)
     assert delay(SelectedPacket("/a", packet, 1_795_244_479_000_000_123)) == 123
+
+
+@pytest.mark.parametrize(
+    ("stamped", "arrival", "said"),
+    [
+        (12, 1_795_244_479, "is 12.000 s: since a start"),
+        (1_795_244_479, 12, "is real time, while /clock is at 12.000 s"),
+    ],
+)
+def test_a_stamp_of_another_time_base_is_told_once_and_has_no_delay(
+    stamped: int, arrival: int, said: str
+) -> None:
+    message, told = PoseStamped(), list[str]()
+    message.header.stamp.sec = stamped
+    delay = Delays(Decoder(lambda _: ()), told.append)
+    for _ in range(2):
+        packet = Packet("/a", message.encode(), 0)
+        assert delay(SelectedPacket("/a", packet, arrival * 10**9)) is None
+    (line,) = told
+    assert_says(line, "/a", said)
 
 
 def test_without_a_header_the_delay_is_that_of_utime(monkeypatch: pytest.MonkeyPatch) -> None:

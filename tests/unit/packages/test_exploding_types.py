@@ -20,7 +20,7 @@ LARGE = 300_000  # bytes of a file, which may have a million
 
 
 def near(types: UserTypes) -> TypeSource:
-    found = types.near()
+    found = types.workspace()
     assert found is not None
     return found
 
@@ -81,10 +81,10 @@ def test_a_type_with_too_many_elements_is_refused(write: Write, types_of: Types)
 
 
 def test_fields_are_counted_with_those_of_their_types() -> None:
-    expansion = Expansion({"a": ["", ""], "b": ["a", "", "a"], "loop": ["loop", "b"]})
-    assert [expansion.fields(name) for name in ("a", "b", "loop")] == [2, 7, 9]
+    expansion = Expansion({1: [0, 0], 2: [2, 1]}, {0: 2, 1: 3, 2: 2})  # 2 contains itself
+    assert [expansion.fields(place) for place in range(3)] == [2, 7, 9]
     with pytest.raises(TooManyFields):
-        Expansion({"a": [""] * (MOST_FIELDS + 1)}).fields("a")
+        Expansion({}, {0: MOST_FIELDS + 1}).fields(0)
 
 
 SCANNED = {

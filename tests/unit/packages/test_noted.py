@@ -158,7 +158,7 @@ def test_types_of_a_noted_package_come_before_shipped_ones(
         }
     )
     environment = {VARIABLE: f"{root}/ws", "XDG_CACHE_HOME": str(cache_folder)}
-    source = UserTypes(environment, [], FINGERPRINTS).near()
+    source = UserTypes(environment, [], FINGERPRINTS).workspace()
     assert source is not None
     assert list(source.fingerprints) == ["air_lab0/Stat"]
 

@@ -70,7 +70,7 @@ def registry(types: UserTypes) -> Registry:
 
 
 def problems(types: UserTypes) -> list[str]:
-    found = types.near()
+    found = types.workspace()
     return [str(problem.error()) for problem in found.problems] if found else []
 
 
@@ -124,13 +124,13 @@ def test_ros_definitions_have_the_shipped_types_fingerprints(
 ) -> None:
     package, _, short = name.partition("/")
     types = types_of(write({f"{package}/msg/{short}.msg": text}))
-    source = types.near()
+    source = types.workspace()
     assert source is not None
     if package == "air_lab0":  # fields' names are part of the fingerprint
         text = text.replace("last", "last_error").replace("average", "average_error")
         assert source.fingerprints[name] != FINGERPRINTS[name]
         types = types_of(write({f"{package}/msg/{short}.msg": text}))
-        source = types.near()
+        source = types.workspace()
         assert source is not None
     assert (source.fingerprints[name], problems(types)) == (FINGERPRINTS[name], [])
 
@@ -163,7 +163,7 @@ def test_a_service_is_a_pair_of_types(write: Write, types_of: Types) -> None:
 def test_an_action_is_three_types(write: Write, types_of: Types) -> None:
     folder = write({"p/action/Dock.action": "uint8 FAST=1\nint32 dock\n---\n---\nfloat32 left\n"})
     types = types_of(folder)
-    known, source = registry(types), types.near()
+    known, source = registry(types), types.workspace()
     assert source is not None
     assert list(source.fingerprints) == ["p/Dock_Feedback", "p/Dock_Goal", "p/Dock_Result"]
     assert source.problems == []
@@ -183,7 +183,7 @@ def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None
     )
     environment = {"XDG_CACHE_HOME": str(root / "cache")}
     for start in (root, root / "src/survey_msgs/scripts"):
-        found = UserTypes(environment, [start], FINGERPRINTS).near()
+        found = UserTypes(environment, [start], FINGERPRINTS).workspace()
         assert found is not None
         assert (list(found.fingerprints), found.problems) == (["survey_msgs/Progress"], [])
     assert workspace(root) == Workspace([], [])  # no package of lcmtools, with nodes to run
@@ -209,7 +209,7 @@ def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None
 def test_the_package_is_the_folder_s_or_what_its_project_says(
     write: Write, types_of: Types, files: dict[str, str], name: str
 ) -> None:
-    found = types_of(write(files)).near()
+    found = types_of(write(files)).workspace()
     assert found is not None
     assert (list(found.fingerprints), found.problems) == ([name], [])
 
@@ -281,6 +281,11 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     names = [path.relative_to(tmp_path / "generated").as_posix() for path in made]
     assert names == ["p/A.hpp", "p/Go_Request.hpp", "p/Go_Response.hpp"]
     assert "std::vector< double > values;" in made[0].read_text()
+    before = made[0].stat().st_mtime_ns, made[1].stat().st_mtime_ns
+    made[1].write_text("changed")
+    generate_code(files, "cpp", tmp_path / "generated")
+    assert made[0].stat().st_mtime_ns == before[0]  # make compiles nothing that includes it
+    assert "changed" not in made[1].read_text()
 
 
 def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
@@ -299,16 +304,41 @@ def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
     assert f"return {number:#x};" in header
 
 
-def test_a_field_that_is_a_keyword_of_cpp_is_named_where_its_type_is_included(
-    write: Write, tmp_path: Path
+_KEYWORDS = {
+    "p/msg/A.msg": "# class\nstring A=class\nint8 from\nstring class\n",
+    "b.lcm": "package p; // class\nstruct B {\n  /* new */ int32_t x;\n  int32_t new;\n}\n",
+    "c.lcm": "package p;\nstruct C {\n  const int32_t register = 3;\n}\n",
+    "d.lcm": "package p.in;\nstruct D { int8_t final; }\n",
+    "e.lcm": "package p;\nstruct E {\n  double classes;\n  boolean is_new;\n  int8_t xor_;\n}\n",
+}
+
+
+@pytest.mark.parametrize(
+    ("file", "language", "error"),
+    [
+        ("p/msg/A.msg", "cpp", "A.msg:4: 'class' is a keyword of C++; use another name"),
+        ("p/msg/A.msg", "python", "A.msg:3: 'from' is a keyword of Python; use another name"),
+        ("p/msg/A.msg", "java", "A.msg:4: 'class' is a keyword of Java; use another name"),
+        ("p/msg/A.msg", "c", ""),
+        ("b.lcm", "cpp", "b.lcm:4: 'new' is a keyword of C++; use another name"),
+        ("c.lcm", "c", "c.lcm:3: 'register' is a keyword of C; use another name"),
+        ("c.lcm", "cpp", "c.lcm:3: 'register' is a keyword of C++; use another name"),
+        ("d.lcm", "python", "d.lcm:1: 'in' is a keyword of Python; use another name"),
+        ("d.lcm", "java", "d.lcm:2: 'final' is a keyword of Java; use another name"),
+        ("d.lcm", "cpp", ""),
+        *[("e.lcm", language, "") for language in ("c", "cpp", "java", "python")],
+    ],
+)
+def test_a_name_that_is_a_keyword_of_the_language_is_an_error_with_its_line(
+    file: str, language: str, error: str, write: Write, tmp_path: Path
 ) -> None:
-    folder = write(
-        {"p/msg/A.msg": "string class\n", "p/msg/B.msg": "string classes\nbool is_new\n"}
-    )
-    files = [folder / "p/msg/A.msg", folder / "p/msg/B.msg"]
-    bad, good = generate_code(files, "cpp", tmp_path / "generated")
-    assert bad.read_text().startswith("#error the field 'class' is a keyword of C++")
-    assert "#error" not in good.read_text()
+    source, target = write(_KEYWORDS) / file, tmp_path / "generated"
+    if not error:
+        assert generate_code([source], language, target)
+        return
+    with raises_saying(InvalidFile, error):
+        generate_code([source], language, target)
+    assert not target.exists()
 
 
 @pytest.mark.usefixtures("small_files")

@@ -1,5 +1,6 @@
 """From .lcm files to types that can be used: what is made, what is refused, and what is kept."""
 
+import marshal
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +14,8 @@ from lcmtools.messages.registry import Registry, fingerprint, message_class, typ
 from lcmtools.messages.supply import set_supply
 from lcmtools.messages.type_source import TypeSource
 from lcmtools.packages import cache, provide_user_types
+from lcmtools.packages.placed_type import Parsed, parse_file
+from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.types.geometry_msgs import Twist
@@ -28,7 +31,7 @@ def registry(types: UserTypes) -> Registry:
 
 
 def near(types: UserTypes) -> TypeSource:
-    found = types.near()
+    found = types.workspace()
     assert found is not None
     return found
 
@@ -210,17 +213,52 @@ def test_an_edited_file_counts_at_once(write: Write, types_of: Types) -> None:
     assert type_name(old) == type_name(new) == "p/T"
 
 
-def test_what_is_made_once_is_kept(
+MANY = {f"T{n}.lcm": f"package p;\nstruct T{n} {{ double x; }}\n" for n in range(70)}
+
+
+def forget(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forget what this process has parsed, as a new one would not know it."""
+    for name in ("_sources", "_parsed"):
+        monkeypatch.setattr(cache, name, {})
+    monkeypatch.setattr(cache, "_read", set())
+
+
+def test_what_is_parsed_once_is_kept(
     write: Write, types_of: Types, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
+    folder = write(MANY)
+    forget(monkeypatch)
     first = near(types_of(folder))
-    monkeypatch.setattr(cache, "_make", None)  # a call fails
+    assert len(first.fingerprints) == len(MANY)
+    forget(monkeypatch)
+    monkeypatch.setattr(cache, "parse_file", None)  # a call fails
     assert near(types_of(folder)) == first
+    assert registry(types_of(folder)).message_class("p/T7").__slots__ == ["x"]
 
 
-def test_many_at_once_make_the_same(write: Write, types_of: Types, cache_folder: Path) -> None:
-    folder = write({f"T{n}.lcm": f"package p;\nstruct T{n} {{ double x; }}\n" for n in range(5)})
+def test_of_many_files_only_a_new_one_is_parsed(
+    write: Write, types_of: Types, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = write(MANY)
+    near(types_of(folder))
+    forget(monkeypatch)
+    write({"T3.lcm": "package p;\nstruct T3 { double y; }\n"})
+    parsed: list[str] = []
+
+    def parse(file: LcmFile) -> Parsed:
+        parsed.append(file.path.name)
+        return parse_file(file)
+
+    monkeypatch.setattr(cache, "parse_file", parse)
+    assert registry(types_of(folder)).message_class("p/T3").__slots__ == ["y"]
+    assert parsed == ["T3.lcm"]
+
+
+def test_many_at_once_make_the_same(
+    write: Write, types_of: Types, cache_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = write(MANY)
+    forget(monkeypatch)
     found: list[TypeSource] = []
     threads = [
         threading.Thread(target=lambda: found.append(near(types_of(folder)))) for _ in range(4)
@@ -231,22 +269,25 @@ def test_many_at_once_make_the_same(write: Write, types_of: Types, cache_folder:
         thread.join(20)
     assert len(found) == 4
     assert all(source == found[0] for source in found)
-    kept = sorted(path.suffix for path in (cache_folder / "lcmtools" / "types").iterdir())
-    assert kept == [".json", *[".types"] * 5], "nothing half made stays"
+    kept = [path.name for path in (cache_folder / "lcmtools").iterdir()]
+    assert kept == ["types.parsed"], "nothing half made stays"
 
 
+@pytest.mark.parametrize("damage", [b"", b"{", marshal.dumps(("7", [])), marshal.dumps((1, 2, 3))])
 def test_a_cache_that_somebody_has_damaged_is_made_anew(
-    write: Write, types_of: Types, cache_folder: Path
+    write: Write,
+    types_of: Types,
+    cache_folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    damage: bytes,
 ) -> None:
-    folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
+    folder = write(MANY)
+    forget(monkeypatch)
     first = near(types_of(folder))
-    (index,) = cache_folder.glob("lcmtools/types/*.json")
-    (unit,) = cache_folder.glob("lcmtools/types/*.types")
-    for damage in ("", "{", "[]", '{"fingerprints": 3}'):
-        index.write_text(damage)
-        unit.write_text(damage)
-        assert near(types_of(folder)) == first
-        assert registry(types_of(folder)).message_class("p/T").__slots__ == ["x"]
+    (cache_folder / "lcmtools/types.parsed").write_bytes(damage)
+    forget(monkeypatch)
+    assert near(types_of(folder)) == first
+    assert registry(types_of(folder)).message_class("p/T0").__slots__ == ["x"]
 
 
 def test_without_a_cache_folder_types_work_all_the_same(write: Write, tmp_path: Path) -> None:
@@ -264,7 +305,7 @@ def test_folder_that_is_not_there_is_told(types_of: Types, tmp_path: Path) -> No
 
 
 def test_nothing_is_looked_for_where_nothing_is_said(tmp_path: Path) -> None:
-    assert UserTypes({}, [tmp_path], FINGERPRINTS).near() is None
+    assert UserTypes({}, [tmp_path], FINGERPRINTS).workspace() is None
 
 
 def test_a_look_up_reads_the_environment_only_where_the_edge_provides_it(

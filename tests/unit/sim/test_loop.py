@@ -147,3 +147,10 @@ def test_each_step_is_let_and_a_long_wait_for_that_is_no_debt() -> None:
 
     assert [line for line in log.lines if line in ("let", "step")] == ["let", "step"] * 3
     assert not [line for line in log.lines if line.startswith("warn")]
+
+
+def test_a_pause_publishes_the_time_at_which_it_stands() -> None:
+    log = Log()
+    loop = Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True)  # type: ignore[arg-type]
+    loop.pause()
+    assert (loop.paused, log.lines) == (True, ["clock"])

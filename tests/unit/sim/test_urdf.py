@@ -197,6 +197,26 @@ def test_a_link_that_is_only_seen_as_a_mesh_is_left_out_and_said(tmp_path: Path)
     )
 
 
+@pytest.mark.parametrize(
+    ("inertia", "is_noted"),
+    [
+        ('ixx="0.04" iyy="0.05" izz="0.09"', False),  # flat
+        ('ixx="0.04" iyy="0.05" izz="0.0903"', False),  # rounded
+        ('ixx="0.04" iyy="0.05" izz="0.2"', True),
+        ('ixx="0.04" iyy="0.05" izz="0.06" ixy="0.05"', True),
+        ('ixx="1" iyy="1" izz="1" ixy="0.4" ixz="0.4" iyz="0.4"', True),
+        ('ixx="0" iyy="0" izz="0.06"', True),
+    ],
+)
+def test_an_inertia_that_no_body_has_is_named(
+    tmp_path: Path, inertia: str, *, is_noted: bool
+) -> None:
+    text = CART.replace('ixx="0.04" iyy="0.05" izz="0.06" ixy="0" ixz="0" iyz="0"', inertia, 1)
+    note = f"{tmp_path}/cart.urdf:5: no body has the inertia of link 'base_link': the engine"
+    notes = [one for one in scene(tmp_path, text).notes if one.startswith(note)]
+    assert len(notes) == is_noted
+
+
 def test_topics_and_commands_are_renamed(tmp_path: Path) -> None:
     found = scene(tmp_path, more="  topics: {odometry: odom}\n  commands: [drive]\n")
 
@@ -245,6 +265,8 @@ WRONG = [
      ' rpy="1.5708 0 0" in its <origin> turns it, where the axle is y')),
     ('xyz="-0.15 0 -0.08"', 'xyz="-0.15 0 -0.3"',
      ":25: the link 'caster' reaches 0.220 m below the wheels, which then carry nothing"),
+    ("<robot", '<robot><link name="${n}"/></robot><robot', ": it is a xacro file, which must be"),
+    ("<robot", "<robot><macro name='a'/></robot><robot", ": it is a xacro file, which must be"),
     ("<robot", '<robot xmlns:xacro="a"><xacro:include filename="b"/></robot><robot',
      ": it is a xacro file, which must be expanded first; type: xacro cart.urdf > plain_cart.urdf"),
 ]  # fmt: skip

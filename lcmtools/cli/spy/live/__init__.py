@@ -3,7 +3,7 @@
 import os
 import sys
 
-from lcmtools.cli.bus import chosen_log, open_monitor
+from lcmtools.cli.bus import chosen_logs, open_monitor
 from lcmtools.cli.output import clearing
 from lcmtools.color import stream_wants_color
 from lcmtools.errors import UsageError, needing_extra
@@ -13,7 +13,7 @@ from lcmtools.observe.channels.rows import ChannelSelection
 
 def watch(selection: ChannelSelection, view: TableView) -> int:
     """Show the channels until the user quits, and return the exit code."""
-    if chosen_log() is not None:
+    if chosen_logs():
         raise UsageError("the live view needs a bus", "--once shows the channels of a log")
     if not (sys.stdin.isatty() and sys.stderr.isatty() and clearing()):
         raise UsageError("spy needs a terminal", "--once prints the table")

@@ -121,7 +121,7 @@ def drive(driver: Driver) -> None:
 def _follow(keyboard: Keyboard, driver: Driver) -> None:
     if is_terminal(sys.stdin):
         write_screen(f"{driver.key_help}\n\n", sys.stderr)
-    driver.warn_of_unknown_parameters()
+    driver.warn_of_unused_arguments()
     lcmtools.spin_once(driver, 0.0)  # a node's first lines of log come before the status line
     if is_terminal(sys.stdin):
         driver.show_status()

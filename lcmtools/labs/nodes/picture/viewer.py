@@ -97,7 +97,7 @@ class Viewer:
         self._last_time = time.monotonic()
         if self._is_single:
             node.context.note = ""  # the picture is all that is wanted
-        node.warn_of_unknown_parameters()
+        node.warn_of_unused_arguments()
         with ended_by_signals(node):
             try:
                 self._display.open(node, topic)

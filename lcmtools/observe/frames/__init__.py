@@ -1,0 +1,1 @@
+"""Coordinate frames, from the transforms on a bus or in a log."""

@@ -1,0 +1,52 @@
+"""What cannot be seen of programs that do not announce themselves is not known, and not zero."""
+
+import json
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from fixtures.command import Result
+from fixtures.says import assert_says
+
+Run = Callable[..., Result]
+
+PLAIN = """
+import sys, time, lcm
+bus = lcm.LCM()
+bus.subscribe("OTHER", lambda channel, data: None)
+while True:
+    bus.publish("CMD", b"12345678abcd")
+    bus.handle_timeout(50)
+"""
+
+pytestmark = pytest.mark.usefixtures("private_network")
+
+
+def test_info_names_the_programs_that_may_be_subscribers(
+    cli: Run, start: Callable[..., Any], wait_until: Callable[..., None]
+) -> None:
+    program = start(sys.executable, "-c", PLAIN)
+    wait_until(lambda: "CMD" in cli("list").out)
+
+    shown = cli("info", "CMD").out
+
+    assert_says(shown, f"(pid {program.pid})", "they listen to the bus; on which channels is not")
+    assert "Subscribers: None" not in shown
+    (record,) = json.loads(cli("info", "CMD", "--json").out)
+    assert [one["pid"] for one in record["possible_subscribers"]] == [program.pid]
+    assert record["subscribers"] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "is_said"), [(["CMD"], True), (["/CMD"], False), (["CMD", "--plain-channel"], False)]
+)
+def test_pub_beside_plain_programs_tells_how_to_reach_their_channel(
+    words: list[str], *, is_said: bool, cli: Run, start: Callable[..., Any], wait_until: Any
+) -> None:
+    start(sys.executable, "-c", PLAIN)
+    wait_until(lambda: "CMD" in cli("list").out)
+
+    said = cli("pub", "-1", *words, "std_msgs/String", "data: x").err
+
+    assert ("publishes on /CMD; for the channel CMD of plain LCM" in said) is is_said

@@ -1,0 +1,251 @@
+"""lcm-gen is the judge of our parser: the same types, or a text is refused, and says why."""
+
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import ModuleType
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.fields import fields, visible_fields
+from lcmtools.messages.registry import Message, Registry, fingerprint
+from lcmtools.packages.lcm_gen import find_lcm_gen
+from lcmtools.packages.lcm_parser import SyntaxFault, parse
+from lcmtools.packages.user_types import UserTypes
+from lcmtools.types.fingerprints import FINGERPRINTS
+
+HERE = Path(__file__).parent
+FILES = sorted((*HERE.rglob("*.lcm"), *HERE.parents[1].glob("lcm_types/*/*.lcm")))
+PRIMITIVES = ("boolean", "byte", "int8_t", "int16_t", "int32_t", "int64_t", "float", "double")
+INTEGERS = ("int8_t", "int16_t", "int32_t", "int64_t")
+NAMES = ("a", "b1", "_c", "Size", "utime", "values", "x_y")
+
+
+def lcm_gen(folder: Path, text: str, *options: str) -> str:
+    """Run lcm-gen on a text; return its error, "" for none."""
+    (folder / "text.lcm").write_text(text)
+    command = [find_lcm_gen(), "--python", "--ppath", str(folder), *options, "text.lcm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return done.stdout + done.stderr if done.returncode else ""
+
+
+def fault(text: str) -> str:
+    """What our parser says against a text; "" for nothing."""
+    try:
+        parse(text)
+    except SyntaxFault as found:
+        return found.what
+    return ""
+
+
+BOTH_REFUSE = """\
+struct A{ int8_t x; }
+struct A {}
+struct A { int8_t x }
+struct A { int8_t x y; }
+struct A { int8_t x; };
+struct A { int8_t x;; }
+struct A { int8_t x,; }
+struct A { ; }
+struct A { int8_t x; }}
+struct A { int8_t x[]; }
+struct A { int8_t x[0]; }
+struct A { int8_t x[-1]; }
+struct A { int8_t x[n]; }
+struct A { byte n; byte x[n]; }
+struct A { int8_t n[2]; byte x[n]; }
+struct A { int8_t n; byte x[n+1]; }
+struct A { int8_t x[2; }
+struct A { int8_t 1x; }
+struct A { int8_t x = 3; }
+struct A { const string X="a"; }
+struct A { const byte X=3; }
+struct A { const int8_t X=128; }
+struct A { const int8_t X=0xff; }
+struct A { const int32_t X=1.5; }
+struct A { const int32_t X=; }
+struct A { const int32_t X=+1; }
+struct A { const int8_t X=1,; }
+struct A { const float X=1e39; }
+struct A { const double D=3; byte x[D]; }
+struct A { const int32_t N=2; double N[N]; }
+struct A { int8_t x; int16_t x; }
+struct A { struct x; }
+struct A { int8_t x; } struct A { int8_t y; }
+struct A { int8_t x;
+package a struct A { int8_t x; }
+package ; struct A { int8_t x; }
+enum E{ A }
+enum E { A, A }
+enum E { A=1, B=1 }
+enum E { A=x }
+int8_t x;
+struct
+"""
+WE_REFUSE = """\
+struct 1A { int8_t x; }
+struct A { int8_t a.b; }
+struct A { int8_t x-y; }
+struct A { a..b x; }
+struct A { byte x[010]; }
+struct A { int8_t n; byte x[2n]; }
+struct A { const int32_t X=-3; byte x[X]; }
+struct A { const int64_t X=9223372036854775808; }
+struct A { const double X=inf; }
+struct a.A { int8_t x; }
+package a.b.; struct A { int8_t x; }
+enum E { A=99999999999 }
+enum E { A(3) }
+"""
+"""Texts of which lcm-gen makes code that does not compile, or that other languages cannot read."""
+
+
+@pytest.mark.parametrize("text", BOTH_REFUSE.splitlines())
+def test_what_lcm_gen_refuses_is_refused(text: str, tmp_path: Path) -> None:
+    assert fault(text)
+    if text != "enum E { A=x }":  # of which lcm-gen makes 0
+        assert lcm_gen(tmp_path, text)
+
+
+@pytest.mark.parametrize("text", WE_REFUSE.splitlines())
+def test_what_only_we_refuse_has_a_reason(text: str, tmp_path: Path) -> None:
+    assert fault(text)
+    assert not lcm_gen(tmp_path, text)
+
+
+def loaded(folder: Path, package: str) -> ModuleType:
+    """Import the package that lcm-gen has written into a folder."""
+    sys.path.insert(0, str(folder))
+    importlib.invalidate_caches()
+    try:
+        return importlib.import_module(package)
+    finally:
+        sys.path.remove(str(folder))
+        for name in [one for one in sys.modules if one.partition(".")[0] == package]:
+            del sys.modules[name]
+
+
+def assert_same(folder: Path, text: str, package: str = "judged") -> None:
+    """Compare our classes of a text with those of lcm-gen: tables, fingerprints and bytes."""
+    assert lcm_gen(folder, text) == ""
+    theirs = loaded(folder, package)
+    environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
+    known = Registry([], UserTypes(environment, [], FINGERPRINTS))
+    assert not known.problems()
+    for name in known.enum_names():
+        judge: Any = getattr(theirs, name.rpartition("/")[2])
+        ours: Any = known.enum_class(name)
+        assert ours.__hash_number__ == judge._get_hash_recursive([])
+        members = {k: v for k, v in vars(judge).items() if type(v) is int}
+        assert dict(ours.__members__) == members
+        judge.__init__.__defaults__ = (0,)  # without one, lcm-gen's structs cannot create it
+    for name in known.type_names():
+        compare(known.message_class(name), getattr(theirs, name.rpartition("/")[2]), package)
+
+
+def compare(ours: type[Message], theirs: Any, package: str) -> None:
+    own = f"{ours.__module__.partition('.')[0]}.{package}."
+    assert ours.__slots__ == theirs.__slots__
+    assert ours.__dimensions__ == theirs.__dimensions__
+    kinds = [kind.replace(own, f"{package}.") for kind in ours.__typenames__]
+    assert kinds == theirs.__typenames__
+    assert fingerprint(ours) == int.from_bytes(theirs._get_packed_fingerprint(), "big")
+    for name, value in vars(theirs).items():
+        if isinstance(value, (int, float)):
+            assert getattr(ours, name) == value
+    payload = encode(sample(ours))
+    assert theirs.decode(payload).encode() == payload
+    assert encode(decode(ours, payload)) == payload
+    assert ours.decode(payload).encode() == payload  # type: ignore[attr-defined] # lcm-gen's
+
+
+def sample(cls: type[Message], depth: int = 0) -> Any:
+    """A message with a value in each field."""
+    message: Any = cls()
+    for number, field in enumerate(visible_fields(cls), 1):
+        value: Any = {"bool": True, "string": "text"}.get(field.type, number)
+        if field.message_class:
+            value = sample(field.message_class, depth + 1) if depth < 3 else None
+        for size in reversed(field.dimensions):
+            count = size if isinstance(size, int) else (2 if depth < 3 else 0)
+            value = [value] * count
+        if field.is_bytes and field.depth == 1:
+            value = bytes(value)
+        if value is not None:
+            setattr(message, field.attribute, value)
+    assert len(fields(cls)) == len(cls.__slots__)
+    return message
+
+
+@st.composite
+def texts(draw: st.DrawFn) -> str:
+    """The text of a package with enums and structs, of which each may contain those before."""
+    lines, known = ["package judged; // a /* comment"], [*PRIMITIVES, "string"]
+    for number in range(draw(st.integers(0, 2))):
+        values = draw(st.lists(st.sampled_from(NAMES), unique=True, max_size=3))
+        marks = [
+            draw(st.sampled_from(["", f"={10 * at}", f" = -0x{at + 1}"]))
+            for at, _ in enumerate(values)
+        ]
+        items = ", ".join(map("".join, zip(values, marks, strict=True)))
+        lines.append(f"enum E{number} {{ {items} }} /* {{ */")
+        known.append(f"E{number}")
+    for number in range(draw(st.integers(1, 3))):
+        lines.append(draw(structs(number, tuple(known))))
+        known += [f"S{number}", f"judged.S{number}"]
+    return "\n".join(lines)
+
+
+@st.composite
+def structs(draw: st.DrawFn, number: int, known: tuple[str, ...]) -> str:
+    names = draw(st.lists(st.sampled_from(NAMES), unique=True, min_size=1))
+    sizes, lines = ["1", "3"], []
+    if draw(st.booleans()):
+        lines.append(
+            f"const {draw(st.sampled_from(INTEGERS))} MOST = 2, HEX=0x1F; const double D=-.5e1;"
+        )
+        sizes.append("MOST")
+    for name in names:
+        dimensions = draw(st.lists(st.sampled_from(sizes), max_size=2))
+        kind = draw(st.sampled_from(known))
+        if any(size in NAMES for size in dimensions):
+            kind = draw(st.sampled_from((*known, f"S{number}")))
+        lines.append(f"  {kind} {name}{''.join(f'[ {size}]' for size in dimensions)};")
+        if kind in INTEGERS and not dimensions:
+            sizes.append(name)
+    return "\n".join([f"struct S{number} {{ // {{", *lines, "}"])
+
+
+@settings(max_examples=25, deadline=None)
+@given(texts())
+def test_generated_types_are_the_same(text: str) -> None:
+    with TemporaryDirectory() as folder:
+        assert_same(Path(folder), text)
+
+
+def test_a_size_that_is_not_decimal_is_hashed_as_it_is_written(tmp_path: Path) -> None:
+    text = "package judged; struct A { const int8_t N=0x03; byte x[0x10], y[N]; }"
+    assert lcm_gen(tmp_path, text) == ""
+    assert f"{parse(text)[0].number:#x}" in (tmp_path / "judged" / "A.py").read_text()
+    assert [field.sizes for field in parse(text)[0].fields] == [(16,), (3,)]
+
+
+def test_every_file_has_the_hashes_of_lcm_gens_c(tmp_path: Path) -> None:
+    """Also of types that lcm-gen's Python cannot spell."""
+    for number, file in enumerate(FILES):
+        (folder := tmp_path / str(number)).mkdir()
+        command = [find_lcm_gen(), "-c", "--c-cpath", folder, "--c-hpath", folder, file]
+        subprocess.run(command, check=True, capture_output=True)
+        for one in parse(file.read_text()):
+            code = folder / f"{one.name.replace('/', '_').replace('.', '_')}.c"
+            if one.values is None:
+                hashed = re.search(r"= (?:\(uint64_t\))?(0x\w+?)(?:LL)?\s", code.read_text())
+                assert hashed, file
+                assert int(hashed[1], 16) == one.number, one.name
