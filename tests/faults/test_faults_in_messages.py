@@ -295,7 +295,6 @@ def test_an_old_definition_of_a_message(world: Any) -> None:
     [
         ("double x; double y;", "double x; double y; int64_t utime;", "with utime (int64) at the"),
         ("double x; double y;", "double x; float y;", "y is float32, not float64"),
-        ("double x; double y;", "double x; double y; double battery;", "with more bytes at the"),
     ],
 )
 def test_an_older_type_on_the_path(
