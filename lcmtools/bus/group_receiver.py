@@ -169,6 +169,9 @@ class GroupReceiver:
             self._test, self._endings = test, endings
             if (not self.shares or self._attach_to_fragments()) and self._attach_to_shorts():
                 self.is_filtered = True
+                if test is everything and len(self._tests) > 1:
+                    for one in self.all:
+                        mark(one, UNFILTERED)
                 return
         self.is_filtered = False
         if self.shares:
@@ -191,7 +194,7 @@ class GroupReceiver:
 
     def pass_whole(self, up_to: int) -> None:
         """Let messages of up to this size [byte] pass whole although ``heads``."""
-        if self.is_filtered and up_to > self._up_to:
+        if self._heads and self.is_filtered and up_to > self._up_to:
             self._up_to = up_to
             self.is_filtered = self._attach_to_shorts()
 

@@ -38,7 +38,7 @@ The kernel counts what a filter drops and what a full buffer drops together.
 SUBSCRIBED = 0x6C
 """Mark of an announced socket whose filter drops channels that its node does not subscribe to."""
 UNFILTERED = 0x7C
-"""Mark of an announced socket whose filter the system refused, so that it receives everything."""
+"""Mark of an announced socket that receives every channel, as the system refused its filter."""
 OWN_MARKS = ANNOUNCED, SELECTIVE, SUBSCRIBED, UNFILTERED
 
 _WANTED_BUFFER_BYTES = 8 << 20

@@ -302,7 +302,7 @@ def _listeners(
     # a channel socket's kernel counters mean nothing: its filter drops nearly everything
     selective = kernel.marked_sockets(kernel.SELECTIVE)
     unfiltered = kernel.marked_sockets(kernel.UNFILTERED)
-    filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED)
+    filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED, kernel.UNFILTERED)
     drops = BufferDrops(before.rows, after.rows, filtered, overflows)
     hung = hanging(baseline.waiting)
     found = []

@@ -109,7 +109,7 @@ class Callbacks(Waiting):
         """Run a subscription's callback; meanwhile its thread does not wait for others."""
         turn, watch = self.turn, subscription.stopwatch
         thread, turn.thread = turn.thread, 0
-        watch.calls += 1  # as ``with watch``, without a call
+        watch.calls += 1  # as ``with watch``, without calls
         watch.began.append(time.monotonic_ns())
         try:
             try:

@@ -113,7 +113,7 @@ class Context:
         network_watch.tell(self._warn)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
         # Not None while a recording is played to this program message by message.
-        self.lockstep = join_lockstep(bus, environment, self._all_callbacks)
+        self.lockstep = join_lockstep(bus, environment, self._all_callbacks, self.wake)
 
     def ok(self) -> bool:
         """Return whether nodes should go on."""
@@ -147,7 +147,7 @@ class Context:
         deadline = None if timeout is None else time.monotonic() + timeout
         self.run(callbacks, is_over, deadline=deadline, is_once=True)
 
-    def run(  # noqa: C901 - without calls: it is the path of each message
+    def run(  # noqa: C901, PLR0912 - without calls: it is the path of each message
         self,
         callbacks: Sequence[Callbacks],
         is_over: Callable[[], bool] | None = None,
@@ -159,7 +159,8 @@ class Context:
 
         With ``is_once``, only until one or more have run.
         """
-        before, turn = [one.turn for one in callbacks], Turn()
+        before, turn, thread = [one.turn for one in callbacks], Turn(), get_ident()
+        wakeup = self._wakeups.get(thread)
         for one in callbacks:
             one.turn = turn
         try:
@@ -178,8 +179,17 @@ class Context:
                 for one in callbacks:
                     if one.timers and (due := one.time_to_timer()) is not None:
                         wait = due if wait is None else min(due, wait)
-                self._wait(wait, callbacks, turn)
+                if self.lockstep:
+                    self.lockstep.answer(callbacks)
+                if wakeup is None:
+                    wakeup = self._add_wakeup(thread)
+                    continue  # a ``wake`` may have missed it
+                turn.thread = thread if self._runs_callbacks else 0
+                is_long = wait is None or wait > _LONGEST_WAIT
+                self.bus.wait(wakeup, _LONGEST_WAIT if is_long else wait)
+                turn.thread = 0
         finally:
+            turn.thread = 0
             for one, earlier in zip(callbacks, before, strict=True):
                 one.turn = earlier
 
@@ -219,30 +229,13 @@ class Context:
         """Return whether no node has been made yet: ``__name:=`` names the first one."""
         return not self._participants
 
-    def _wait(self, timeout: float | None, callbacks: Sequence[Callbacks], turn: Turn) -> None:
-        """Wait for messages, or for ``timeout`` seconds; return early on any ``wake`` or stop.
-
-        None of the callbacks is ready.
-        """
-        if self.lockstep:
-            self.lockstep.answer(callbacks)
-        thread = get_ident()
-        wakeup = self._wakeups.get(thread)
-        if wakeup is None:
-            self._add_wakeup(thread)
-            return  # a ``wake`` may have missed it: the caller looks for work first
-        is_long = timeout is None or timeout > _LONGEST_WAIT
-        turn.thread = thread if self._runs_callbacks else 0
-        try:
-            self.bus.wait(wakeup, _LONGEST_WAIT if is_long else timeout)
-        finally:
-            turn.thread = 0
-
-    def _add_wakeup(self, thread: int) -> None:
+    def _add_wakeup(self, thread: int) -> WakeupEvent | None:
+        """Return an event that wakes this thread; None if the system gives no more descriptors."""
         try:
             self._wakeups[thread] = WakeupEvent()
-        except OSError:  # the system gives no more descriptors
+        except OSError:
             time.sleep(_LOOK_AGAIN)
+        return self._wakeups.get(thread)
 
     def _all_callbacks(self) -> list[Callbacks]:
         return [participant.callbacks for participant in tuple(self._participants)]

@@ -125,6 +125,18 @@ def test_an_observer_whose_filter_is_refused_knows_it_and_counts_what_it_loses(
     assert (big.channel, big.whole_bytes, len(big.payload)) == ("BIG", 300_000, 1024)
 
 
+@pytest.mark.parametrize(("memory", "is_refused"), [(64, True), (1_024, True), (131_072, False)])
+def test_a_node_whose_filter_is_refused_is_marked(
+    filter_memory: Callable[[int], None], memory: int, *, is_refused: bool
+) -> None:
+    filter_memory(memory)
+    with closing(UdpBus(_URL)) as bus:
+        for number in range(45):
+            bus.subscribe(_NAMES["long"](number), lambda *_: None)
+        found = kernel.marked_sockets(kernel.UNFILTERED), kernel.marked_sockets(kernel.SUBSCRIBED)
+    assert [len(one) for one in found] == [is_refused, not is_refused]
+
+
 _OPTIONS = {
     "filter": (socket.SOL_SOCKET, 26),
     "removing a filter": (socket.SOL_SOCKET, 27),

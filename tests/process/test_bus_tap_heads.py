@@ -9,6 +9,7 @@ from typing import Any
 import lcm
 import pytest
 
+from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
@@ -198,3 +199,23 @@ def test_a_request_ends_a_long_nap() -> None:
 
 def test_the_filter_is_short() -> None:
     assert len(heads_only()) <= 10
+
+
+@pytest.mark.usefixtures("private_network")
+def test_a_tap_of_large_messages_goes_on_with_them() -> None:
+    with Tap(_URL, whole=True, large_only=True) as tap, sending_socket(_URL) as sender:
+        found: list[int] = []
+        for number in range(3):
+            sender.sendto(short_message(9, "SMALL", b""), _GROUP)
+            for part in fragments(number, "BIG", bytes(200_000 + number)):
+                sender.sendto(part, _GROUP)
+            deadline = time.monotonic() + 20
+            while len(found) == number and time.monotonic() < deadline:
+                found += [len(packet.payload) for packet in tap.receive(0.1)]
+        tap.pass_large(200_000)
+        for number in (200_001, 200_000):
+            for part in fragments(number, "BIG", bytes(number)):
+                sender.sendto(part, _GROUP)
+        while len(found) == 3 and time.monotonic() < deadline:
+            found += [len(packet.payload) for packet in tap.receive(0.1)]
+    assert found == [200_000, 200_001, 200_002, 200_000]

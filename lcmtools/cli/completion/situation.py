@@ -78,7 +78,7 @@ class Situation:
             if self.url.provider == "zenoh":  # other providers do not announce on request
                 return self._discovered()
             with QuickProbe(self.url) as quick_probe:
-                from lcmtools.bus.recent_channels import with_recent_channels
+                from lcmtools.cli.completion.recent_channels import with_recent_channels
 
                 seen = quick_probe.graph(self._silent_nodes)
                 bus = f"{self.url.host}-{self.url.port}"
