@@ -172,7 +172,7 @@ def as_utf_8(name: str) -> str:
 
 def is_hidden(name: str) -> bool:
     """Return True for a name that lists omit: a part starts with "_", or LCM itself uses it."""
-    return is_of_lcm(name) or any(part.startswith("_") for part in name.split("/"))
+    return name.startswith("_") or "/_" in name or is_of_lcm(name)
 
 
 def is_of_lcm(channel: str) -> bool:

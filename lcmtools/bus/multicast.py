@@ -34,6 +34,7 @@ _SELF_TEST = short_message(0, SELF_TEST_CHANNEL, b"lcm self test")
 _LOOPBACK_ROUTE = "sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 _NETWORK_ROUTE = "sudo ip route add 224.0.0.0/4 dev IFACE"
 _NO_ROUTE = {errno.ENETUNREACH, errno.ENODEV, errno.EADDRNOTAVAIL, errno.EHOSTUNREACH}
+_FORBIDDING_ROUTES = {errno.EACCES: "prohibit", errno.EINVAL: "blackhole"}
 _OVER_LOOPBACK = socket.IPPROTO_IP, _IP_PKTINFO, struct.pack("=i4s4s", LOOPBACK, b"", b"")
 _FULL_QUEUE = (
     "the queue of the network card to {where} is full",
@@ -172,7 +173,11 @@ def _explained(url: BusUrl, full: tuple[str, str] = _FULL_QUEUE) -> Iterator[Non
             what, hint = f"no multicast route to {where}", f"type: {_LOOPBACK_ROUTE}"
             if url.ttl:  # a route to lo would keep messages here, also once there is a network
                 hint = f"connect the network, or set a route to its interface: {_NETWORK_ROUTE}"
-        elif error.errno in (errno.EPERM, errno.EACCES):
+        elif error.errno in _FORBIDDING_ROUTES:
+            kind = _FORBIDDING_ROUTES[error.errno]
+            what = f"a {kind} route forbids sending to {where} ({error.strerror})"
+            hint = f"find it with: ip route show table all type {kind}; remove it by: ip route del"
+        elif error.errno == errno.EPERM:
             what = f"sending to {where} is forbidden ({error.strerror})"
             allow = f"sudo ufw allow out to {url.host} port {url.port} proto udp"
             hint = f"a firewall does that; type: {allow}"

@@ -25,6 +25,10 @@ from lcmtools.bus.kernel import IS_LINUX
 
 _NETLINK_ROUTE = 0
 _CHANGES = 0x1 | 0x10 | 0x40 | 0x80  # RTMGRP_LINK, _IPV4_IFADDR, _IPV4_ROUTE, _IPV4_RULE
+# struct nlmsghdr with RTM_GETROUTE (26) and NLM_F_REQUEST (1), struct rtmsg, and RTA_DST (1)
+_ROUTE_REQUEST = struct.Struct("=IHHIIBBxxxxxxxxxxHH4s")
+_NEW_ROUTE, _OUTPUT, _ATTRIBUTES = 24, 4, 28  # RTM_NEWROUTE, RTA_OIF, the offset of attributes
+_ANSWER_TIME = 0.2  # [s]
 _PERIOD = 1.0  # [s] between looks where the system does not report changes
 LOOPBACK = 1  # number of Linux's loopback interface in every network namespace
 _TOLD: dict[bool, str] = {
@@ -34,7 +38,40 @@ _TOLD: dict[bool, str] = {
 
 
 def route_interface(group: str) -> str:
-    """Return the interface of the route to a group; "" if there is none or it is unknown."""
+    """Return the interface of the route to a group; "" if there is none or it is unknown.
+
+    The kernel knows it: with rules for several tables, as of a VPN, the main table does not tell.
+    """
+    asked = _asked_interface(group) if IS_LINUX else None
+    return _main_interface(group) if asked is None else asked
+
+
+def _asked_interface(group: str) -> str | None:
+    """Return the interface by the kernel's answer (rtnetlink(7)); None if it does not answer."""
+    with (
+        contextlib.suppress(OSError, struct.error),
+        socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_ROUTE) as kernel,
+    ):
+        kernel.settimeout(_ANSWER_TIME)
+        kernel.send(
+            _ROUTE_REQUEST.pack(
+                _ROUTE_REQUEST.size, 26, 1, 1, 0, socket.AF_INET, 32, 8, 1, socket.inet_aton(group)
+            )
+        )
+        answer = kernel.recv(4096)
+        if struct.unpack_from("=H", answer, 4)[0] != _NEW_ROUTE:
+            return ""  # an error: no route, or one that forbids
+        at = _ATTRIBUTES
+        while at + 8 <= len(answer):
+            size, kind, value = struct.unpack_from("=HHI", answer, at)
+            if kind == _OUTPUT:
+                return socket.if_indextoname(value)
+            at += max(4, (size + 3) & ~3)
+    return None
+
+
+def _main_interface(group: str) -> str:
+    """Return the interface by the main table of routes."""
     best, found = (-1, 0), ""
     try:
         lines = Path("/proc/net/route").read_text(errors="replace").splitlines()[1:]

@@ -56,7 +56,7 @@ class Usage(NamedTuple):
 
 def sockets_are_known() -> bool:
     """Return whether this system lists its UDP sockets, and which processes have them."""
-    return _SOCKET_TABLES[0].exists()
+    return os.access(_SOCKET_TABLES[0], os.R_OK)
 
 
 def udp_sockets() -> list[UdpSocket]:

@@ -20,10 +20,12 @@ _FOLDER = "records"  # "nodes" before version 1 of the protocol
 
 
 class NodeRecords:
-    """The records of one bus, in XDG_RUNTIME_DIR of the environment."""
+    """The records of one bus, or, to be read, of all, in XDG_RUNTIME_DIR of the environment."""
 
-    def __init__(self, url: BusUrl, environment: Mapping[str, str]) -> None:
-        self._folders = [base / _FOLDER / url.file_name for base in _base_folders(environment)]
+    def __init__(self, url: BusUrl | None, environment: Mapping[str, str]) -> None:
+        bases = [base / _FOLDER for base in _base_folders(environment)]
+        every = [base / url.file_name for base in bases] if url else []
+        self._folders = every or [folder for base in bases for folder in base.glob("*")]
 
     def write(self, node: Node) -> bool:
         """Write a node's record, and remove those of dead nodes of its name.
@@ -100,6 +102,12 @@ class NodeRecords:
                     record = {} if path.stem in but else json.loads(path.read_text())
                     if record and all(record.get(key, own) == own for key, own in here.items()):
                         yield record
+
+
+def recorded_pids(environment: Mapping[str, str]) -> frozenset[int]:
+    """Return the processes of this user's nodes that run, on any bus."""
+    every = NodeRecords(None, environment).read()
+    return frozenset(one.pid for one in every if one.stale is Staleness.HANGS)
 
 
 def _is_written(folder: Path, identifier: str, record: str) -> bool:

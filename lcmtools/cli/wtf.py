@@ -27,7 +27,7 @@ from lcmtools.cli.wtf_options import (
 )
 from lcmtools.color import stream_wants_color
 from lcmtools.doctor import report, saved
-from lcmtools.doctor.brief import WHOLE
+from lcmtools.doctor.collect import USUAL
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
@@ -48,7 +48,9 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     "wtf --from evidence.json",
     "wtf --bag ride.lcmlog",
 )
-@option("--wait", type=duration, help="Observe for this long (else 1s, or less if that is enough).")
+@option(
+    "--wait", type=duration, help="Observe for this long (else 1s, or 3.5s if there are doubts)."
+)
 @rule_option("--rule", "only", text="Only this rule; repeatable.", multiple=True)
 @rule_option("--ignore", text="All rules except this one; repeatable.", multiple=True)
 @flag("--list", "list_rules", help="List the rules.")
@@ -87,7 +89,7 @@ def command(
     if watch:
         if save_to or load_from or bus_choice().logs:
             raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")
-        every = WHOLE if wait is None else wait
+        every = USUAL if wait is None else wait
         look = partial(look_once, every, as_json=as_json, at_least=every, memory=Memory())
         _watch(look, rules, as_json=as_json)
     evidence = saved.load(load_from) if load_from else look_once(wait, as_json=as_json)

@@ -13,7 +13,8 @@ import click
 from lcmtools.cli.bus import chosen_logs, chosen_url, log_observer, notify
 from lcmtools.cli.declare import option
 from lcmtools.cli.options import bus_choice
-from lcmtools.doctor.collect import collect, unusable
+from lcmtools.doctor.collect import USUAL, collect, unusable
+from lcmtools.doctor.doubt import in_doubt, shows_signs
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule
 from lcmtools.doctor.memory import Memory
@@ -93,7 +94,9 @@ def look_once(
         notify("in a log only messages are judged, not connections, computers or processes")
         return evidence
     try:
-        evidence = collect(chosen_url(), os.environ, listen, memory)
+        chosen, is_usual = (listen, False) if listen is not None else (USUAL, True)
+        doubts = in_doubt if is_usual else shows_signs
+        evidence = collect(chosen_url(), os.environ, chosen, memory, doubts)
     except UsageError as error:
         if bus_choice().url or bus_choice().domain:
             raise WrongUsage(error.what, error.hint) from error

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -12,8 +12,8 @@ from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.processes import Process, buffer_overflows, is_local, process_of, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
-from lcmtools.doctor import brief, lcm_processes
 from lcmtools.doctor import host as computer
+from lcmtools.doctor import lcm_processes
 from lcmtools.doctor.drops import BufferDrops
 from lcmtools.doctor.evidence import (
     Evidence,
@@ -39,23 +39,33 @@ from lcmtools.wire.packet import Sender
 _REQUESTS = 5  # for announcements at the end of a look, at most
 _MOST_LATE = 200  # nodes that have not answered; more are made up by a stranger
 _ANSWER_TIME = 0.05  # [s] several times as long as nodes need
-_LONG_ENOUGH = 0.3  # [s] a look of at least this duration may be extended
+USUAL, LONGER = 1.0, 3.5  # [s] a look, and one that goes on because something is in doubt
+_LONG_ENOUGH = 0.3  # [s] a look of at least this duration may go on
+
+
+def never(_evidence: Evidence) -> bool:
+    """Return that nothing is in doubt."""
+    return False
 
 
 def collect(
-    url: BusUrl, environment: Mapping[str, str], listen: float | None, memory: Memory | None = None
+    url: BusUrl,
+    environment: Mapping[str, str],
+    listen: float,
+    memory: Memory | None = None,
+    in_doubt: Callable[[Evidence], bool] = never,
 ) -> Evidence:
-    """Observe a bus for ``listen`` seconds, or for longer if a rule needs it.
+    """Observe a bus for ``listen`` seconds, or for ``LONGER`` if that leaves it ``in_doubt``.
 
-    None means a second, or less if that is enough (``brief``). A bus that does not work is
-    evidence, not an error. ``memory`` has the publishers of earlier looks.
+    A bus that does not work is evidence, not an error. ``memory`` has the publishers of earlier
+    looks.
     """
     here = computer.host(url, environment)
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
     failures, filtered = computer.reassembly_failures(), computer.rp_filter_drops()
     try:
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
-            evidence = _observe(monitor, evidence, listen, memory or Memory())
+            evidence = _observe(monitor, evidence, listen, memory or Memory(), in_doubt)
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
@@ -77,26 +87,21 @@ def unusable(error: UsageError) -> Evidence:
 
 
 def _observe(
-    monitor: BusMonitor, evidence: Evidence, wanted: float | None, memory: Memory
+    monitor: BusMonitor,
+    evidence: Evidence,
+    listen: float,
+    memory: Memory,
+    in_doubt: Callable[[Evidence], bool],
 ) -> Evidence:
-    baseline, observed = _Baseline.now(monitor), 0.0
+    baseline = _Baseline.now(monitor)
     evidence = replace(evidence, before=baseline.graph)
     if driven := [odometry for _, _, odometry in unattended_commands(baseline.graph)]:
         monitor.listen_to(driven)  # a simulator publishes no odometry that nobody wants
-    if wanted is None:
-        observed = brief.BRIEF
-        # the rest of the time is for the answers of the nodes, with their counters
-        _receive(monitor, baseline.listening, observed - _ANSWER_TIME)
-        found = _gather(monitor, evidence, baseline, observed)
-        if brief.is_enough(found):
-            return found
-    listen = brief.WHOLE if wanted is None else wanted
-    _receive(monitor, baseline.listening, listen - observed)
+    _receive(monitor, baseline.listening, listen)
     found = memory.recall(_gather(monitor, evidence, baseline, listen))
-    longer = brief.needed_duration(found) if listen >= _LONG_ENOUGH else 0.0
-    if longer > listen:
-        _receive(monitor, baseline.listening, longer - listen)
-        found = memory.recall(_gather(monitor, evidence, baseline, longer))
+    if _LONG_ENOUGH <= listen < LONGER and in_doubt(found):
+        _receive(monitor, baseline.listening, LONGER - listen)
+        found = memory.recall(_gather(monitor, evidence, baseline, LONGER))
     memory.remember(found)
     return found
 
@@ -121,7 +126,8 @@ class _Baseline:  # the state of the bus and of this computer at the start of a 
         listeners = {table.holders[inode].pid for inode in on_bus if inode in table.holders}
         waiting = {pid: Waiting.of(pid) for pid in listeners - {os.getpid()}}
         graph = monitor.settle(foreign=False)
-        listening, overflows = Listening(monitor.types_of), buffer_overflows()
+        listening = Listening(monitor.types_of, port=monitor.url.port)
+        overflows = buffer_overflows()
         return cls(graph, table, on_bus, times, waiting, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:

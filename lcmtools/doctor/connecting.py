@@ -54,6 +54,7 @@ class Suggestion:
     listener: str  # the id of the node that subscribes
     channel: str  # the topic or channel that it may have meant
     publisher: str = ""  # the id of the node that publishes it; "" if it is not a node
+    topic: str = ""  # of the subscription
 
 
 def unconnected_ends(
@@ -184,7 +185,7 @@ class ConnectionFinder:
         If one of them moves a node to another namespace, that also serves its topics there.
         """
         found = [
-            (node, suggestion)
+            (node, replace(suggestion, topic=end.topic))
             for node, end in unconnected
             for suggestion in self._likeliest(node, end)
         ]

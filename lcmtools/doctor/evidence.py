@@ -110,7 +110,7 @@ class Stream:
     format: str = ""  # "JSON", "protobuf", ... of payloads that are likely no LCM messages
     doubled: int = 0  # messages that arrived twice with the same number
     repeated: int = 0  # messages that another sender sent before, with the same bytes
-    grown: str = ""  # the type of which payloads of unknown type have all fields, and then more
+    programs: int = 1  # that send it from one port, by their numbers
 
 
 @dataclass(frozen=True, slots=True)

@@ -86,13 +86,19 @@ class Statement:
     kind: str  # the key of its sentence in its rule; of a remedy, what to do ("wake", "export")
     parts: Mapping[str, Part]
     sentence: str = "%s"  # the template of its text; %s until the sentence of its rule is known
+    claims: tuple[Subject, ...] = ()  # of which it is, too, although its text does not name them
 
     def worded(self, sentences: Sentences) -> "Statement":
         """Return the statement with the sentence of its kind."""
         return replace(self, sentence=self.sentence.replace("%s", sentences[self.kind]))
 
+    def of(self, kind: str, *names: str) -> "Statement":
+        """Return the statement with further claims."""
+        more = (Subject(kind, name) for name in names)
+        return replace(self, claims=(*self.claims, *more))
+
     def subjects(self) -> Iterator[Subject]:
-        """Yield every subject in it."""
+        """Yield every subject that its text may name."""
         for part in self.parts.values():
             for one in part if isinstance(part, tuple) else (part,):
                 if isinstance(one, Subject):
@@ -176,6 +182,7 @@ class Rule:
     facts: Sentences
     remedies: Sentences
     evidence: str  # its input
+    unless: Mapping[str, str]  # rules that explain what it finds, by ids: ``arbiter``
     root_only: str  # the part of its input that only root can see
 
     @property
@@ -206,19 +213,23 @@ def rule(  # noqa: PLR0913 - all that is known of a rule
     facts: Sentences = _NONE,
     remedies: Sentences = _NONE,
     severity: Severity = Severity.WARNING,
+    unless: Mapping[str, str] = _NONE,
     root_only: str = "",
 ) -> Callable[[Check], Rule]:
     """Make a rule of a check; its docstring is the explanation.
 
     ``title`` is a sentence if findings have one title, whose kind is the id of the rule. ``remedy``
-    is the usual one, ``evidence`` the input of the rule, and ``root_only`` the part of it that only
-    root can see.
+    is the usual one, ``evidence`` the input of the rule, ``root_only`` what only root can see of
+    it, and ``unless`` the rules whose findings explain those of this one (``arbiter``).
     """
 
     def make(check: Check) -> Rule:
         explanation = " ".join((check.__doc__ or "").split())
         titles = {identifier: title} if isinstance(title, str) else title
         texts = titles, facts, remedies
-        return Rule(identifier, severity, explanation, remedy, check, *texts, evidence, root_only)
+        return Rule(
+            *(identifier, severity, explanation, remedy, check, *texts, evidence, unless),
+            root_only,
+        )
 
     return make

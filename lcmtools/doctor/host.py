@@ -4,18 +4,17 @@ Belongs here: everything that ``wtf`` reads besides the bus. Must not judge.
 """
 
 import contextlib
+import errno
 import fcntl
 import os
-import re
 import shutil
 import socket
 import struct
 import subprocess
 import sys
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from lcmtools.bus.network_watch import route_interface
 from lcmtools.bus.processes import network_counter, sockets_are_known
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.evidence import Host
+from lcmtools.doctor.firewall import Traffic, refusing_chain
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
 
@@ -35,10 +35,6 @@ _UFW = Path("/etc/ufw/ufw.conf")
 _FIREWALLD = Path("/run/firewalld.pid")
 _READERS = {"nftables": ("nft", "list", "ruleset"), "iptables": ("iptables-save",)}
 _TIMEOUT = 2.0  # [s]
-_HOOK = re.compile(r"\bhook (input|output)\b")
-_BASES = ("INPUT", "OUTPUT")
-_JUMPS = frozenset({"jump", "goto", "-j", "-g"})
-_REFUSALS = frozenset({"drop", "reject", "DROP", "REJECT"})
 
 
 def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
@@ -70,7 +66,9 @@ def _network(url: BusUrl, interface: str) -> dict[str, Any]:
     known: dict[str, Any] = {"large_bytes": LARGE_BYTES, "large_problem": large_problem(url)}
     if url.ttl:
         folder = _NET / interface
-        known["firewall"], known["firewall_chain"], known["firewall_unknown"] = firewall()
+        known["firewall"], known["firewall_chain"], known["firewall_unknown"] = firewall(
+            Traffic(url.host, url.port, interface)
+        )
         known["send_problem"], known["send_remedy"] = send_problem(url)
         known["others"] = tuple(sorted(_routed_interfaces() - {interface, "lo"}))
         known["is_virtual"] = _number(folder / "iflink") != _number(folder / "ifindex")
@@ -136,10 +134,11 @@ def _container() -> str:
 def _environment(environment: Mapping[str, str]) -> Iterable[str]:
     for name in ("PYTHONPATH", "LCMTOOLS_TYPE_PATH"):
         for part in environment.get(name, "").split(os.pathsep):
-            if part and not Path(part).exists():
-                yield f"{name} has {part}, which does not exist"
+            if part and not os.access(part, os.R_OK):  # never raises, as Path.exists may
+                why = "cannot be read" if _is_hidden(part) else "does not exist"
+                yield f"{name} has {part}, which {why}"
     yield from _found_twice(environment)
-    spec = find_spec("lcm")
+    spec = _spec("lcm")
     folders = spec.submodule_search_locations if spec else None
     if spec is None:
         yield "the Python package lcm is missing: nodes cannot run"
@@ -154,17 +153,34 @@ def _environment(environment: Mapping[str, str]) -> Iterable[str]:
         yield str(error)
 
 
+def _spec(package: str) -> ModuleSpec | None:
+    """Return the place of a package; None if there is none, or if it cannot be looked for."""
+    with contextlib.suppress(OSError):
+        return find_spec(package)
+    return None
+
+
+def _is_hidden(path: str) -> bool:
+    """Return whether a folder above a path keeps this user from looking whether it exists."""
+    try:
+        os.stat(path)  # noqa: PTH116
+    except OSError as error:
+        return error.errno not in (errno.ENOENT, errno.ENOTDIR)
+    return True
+
+
 def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
     """Yield packages of types in several folders, for example those of ROS and of lcm-gen."""
     folders = [*environment.get("PYTHONPATH", "").split(os.pathsep), *sys.path]
     for name in _TYPE_PACKAGES:
-        places = {Path(f, name).resolve(): None for f in folders if f and Path(f, name).is_dir()}
+        named = (os.path.join(f, name) for f in folders if f)  # noqa: PTH118 - these never raise
+        places = {os.path.realpath(one): None for one in named if os.path.isdir(one)}  # noqa: PTH112
         if len(places) > 1:
-            yield f"Python finds {name} in {' and in '.join(map(str, places))}; the first counts"
+            yield f"Python finds {name} in {' and in '.join(places)}; the first counts"
 
 
-def firewall() -> tuple[str, str, str]:
-    """Return a firewall that may drop datagrams, its chain, and the reason if that is unknown.
+def firewall(traffic: Traffic) -> tuple[str, str, str]:
+    """Return a firewall that may drop a bus's datagrams, its chain, and why that is unknown.
 
     All are empty if there is none. The chain is known if the rules were readable.
     """
@@ -181,42 +197,9 @@ def firewall() -> tuple[str, str, str]:
     elif not readers:
         unknown = "neither nft nor iptables-save is installed, which would show its rules"
     for name, command in readers.items() if not unknown else ():
-        if chain := refusing_chain(_output(command)):
+        if chain := refusing_chain(_output(command), traffic):
             return name, chain, ""
     return "", "", unknown
-
-
-def refusing_chain(rules: str) -> str:
-    """Return the chain of rules that drops incoming or outgoing traffic; "" if none does.
-
-    ``rules`` is the output of nft or iptables-save, and the name is as in that ("inet filter
-    input", "INPUT"). Rules about forwarding for others, such as Docker's, do not count.
-    """
-    bases, refusing, jumps = dict[str, str](), set(), defaultdict[str, set[str]](set)
-    table = current = ""
-    for line in rules.splitlines():
-        words = line.replace(";", " ").split()
-        if words[:1] == ["table"]:
-            table = " ".join(words[1:3])
-        elif words[:1] in (["chain"], ["-A"]) and len(words) > 1:
-            current = words[1]
-        elif words and words[0][:1] == ":":
-            current = words[0][1:]
-        if current in _BASES or _HOOK.search(line):
-            bases[current] = f"{table} {current}".strip()
-        if _REFUSALS & set(words):
-            refusing.add(current)
-        jumps[current] |= {b for a, b in pairwise(words) if a in _JUMPS}
-    reached = (chain for base, chain in bases.items() if refusing & _reached(base, jumps))
-    return next(reached, "")
-
-
-def _reached(base: str, jumps: Mapping[str, set[str]]) -> set[str]:
-    """Return a chain and those to which it jumps."""
-    reached = {base}
-    while new := {target for name in reached for target in jumps.get(name, ())} - reached:
-        reached |= new
-    return reached
 
 
 def _output(command: Sequence[str]) -> str:

@@ -13,8 +13,10 @@ from ipaddress import IPv4Address
 from itertools import chain
 from pathlib import Path
 
+from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
 from lcmtools.bus.processes import Process, UdpSocket, process_of, shows_own_pids, uses_lcm
 from lcmtools.bus.quick_probe import QuickProbe
+from lcmtools.bus.records import recorded_pids
 from lcmtools.bus.url import BusUrl, choose_url, parse_url
 from lcmtools.doctor.connecting import unconnected_ends
 from lcmtools.doctor.evidence import LcmProcess, Stream
@@ -70,7 +72,7 @@ def lcm_processes(
     if its port is one of ``seen``; else its arguments, variables or code name its bus, as for a
     process without UDP.
     """
-    own = os.getuid()
+    own, marked = os.getuid(), marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED)
     held = ((holders[one.inode].pid, one) for one in sockets if one.inode in holders)
     mine = [(pid, row) for pid, row in held if row.uid == own and pid != os.getpid()]
     buses: dict[int, str] = {}
@@ -81,9 +83,10 @@ def lcm_processes(
             buses[pid] = ""
         elif not multicast:
             sending.setdefault(pid, set()).add(row.port)
-        # a guess: for Java only the command line can tell
-        elif "lcm" in holders[row.inode].command or uses_lcm(pid):
-            buses.setdefault(pid, f"{row.address}:{row.port}")
+        # lcmtools' sockets are marked; for Java only the command line can tell, which is a guess
+        elif row.inode in marked or "lcm" in holders[row.inode].command or uses_lcm(pid):
+            said = _named_bus(pid, url)  # one without a port is no bus, although a socket has one
+            buses.setdefault(pid, said if _is_faulty(said) else f"{row.address}:{row.port}")
     guessed = set()
     for pid, ports in sending.items():
         if pid not in buses and uses_lcm(pid):
@@ -92,7 +95,8 @@ def lcm_processes(
             guessed |= {pid} if code else set()
     without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
     named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
-    buses |= {pid: bus for pid, bus in named.items() if uses_lcm(pid)}
+    recorded = recorded_pids(os.environ) if named else ()
+    buses |= {pid: bus for pid, bus in named.items() if pid in recorded or uses_lcm(pid)}
     ordered = sorted(buses.items())
     return tuple(replace(_lcm_process(pid, bus), is_guess=pid in guessed) for pid, bus in ordered)
 
@@ -118,6 +122,13 @@ def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
     if named.file_name == url.file_name:
         return ""
     return f"{named.host}:{named.port}" if named.is_multicast else str(named)
+
+
+def _is_faulty(bus: str) -> bool:
+    """Return whether a named bus is a URL that names none."""
+    with contextlib.suppress(LcmtoolsError):
+        return "://" in bus and not parse_url(bus)
+    return True
 
 
 def _argument_url(pid: int) -> str:

@@ -11,6 +11,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from statistics import median
 from typing import TYPE_CHECKING, cast
 
 from lcmtools.bounded import BoundedDict
@@ -20,12 +21,12 @@ from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Str
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
 from lcmtools.graph.relay_report import Link, State, decode_report
+from lcmtools.messages.codec import decode
 from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.message_time import UNITS, MessageTime, message_time
-from lcmtools.messages.near_types import grown_type, own_types_like
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
-from lcmtools.observe.reading.decoding import Decoder
+from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
@@ -35,13 +36,15 @@ if TYPE_CHECKING:  # the import is slow, and most looks do not need it
 _LOG = "/rosout"
 _TRANSFORMS = "tf2_msgs/TFMessage"
 _LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
+_PARTS = 5  # of a look, whose rates of simulated time are compared
 _CLOCK_SPAN = 0.3  # [s] of ticks are enough for the rate of simulated time
 _MOST_TIMES = 5000
+_MODULUS, _MOST_AHEAD = 1 << 32, 1000  # of a program's numbers on one channel
+_MOST_RUNS, _MIXED = 4, 4  # programs on a port; turns that one program that is restarted has not
 _MOST_STREAMS, _MOST_BYTES = 2000, 64 << 20
 _MOST_RELAYS = 200
 _MOST_ODDITIES, _MOST_LOGS, _MOST_FRAMES = 200, 50, 2000
 _MOST_COMPARED = 1000  # messages of a channel
-_TRIED = 3  # messages of an unknown type that are compared with known ones
 _COMPARED_BYTES = 256  # at a payload's beginning, and at its end
 _LOG_CHARACTERS = 200
 _SHARE = 0.3  # of the time may be spent on decoding
@@ -63,10 +66,21 @@ class _Stream:
     largest: int = 0
     bytes: int = 0
     format: str = ""
-    grown: str = ""
     numbered: dict[int, int] = field(default_factory=dict)  # hashes of payloads, by their numbers
     doubled: set[int] = field(default_factory=set)  # numbers
     repeated: set[int] = field(default_factory=set)  # hashes of payloads
+    runs: list[int] = field(default_factory=list)  # the newest number of each program on its port
+    newest_run: int = 0
+    turns: int = 0  # messages of another program than the one before
+
+    def take_number(self, seqno: int) -> None:
+        """Assign a number to the program that counts up to it: several may share a port."""
+        ahead = [((seqno - newest) % _MODULUS, n) for n, newest in enumerate(self.runs)]
+        gap, at = min(ahead, default=(_MODULUS, 0))
+        if not 0 < gap <= _MOST_AHEAD:
+            at = len(self.runs) if len(self.runs) < _MOST_RUNS else 0
+        self.turns += bool(self.runs) and at != self.newest_run
+        self.runs[at : at + 1], self.newest_run = [seqno], at
 
     def size(self) -> int:
         """Return the memory that it takes [byte]."""
@@ -78,14 +92,17 @@ class Listening:
     """The evidence in messages as they arrive.
 
     ``types_of`` returns the announced types of a topic; ``share`` is the share of the time that
-    decoding may take.
+    decoding may take. Several programs may send from ``port``, that of the bus, as of Java.
     """
 
-    def __init__(self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE) -> None:
-        self._share = share
+    def __init__(
+        self, types_of: Callable[[str], Sequence[str]], share: float = _SHARE, port: int = 0
+    ) -> None:
+        self._share, self._port = share, port
         self._types_of, self._decoder = types_of, Decoder(types_of)
-        # types by channel
-        self._known = BoundedDict[str, dict[str, None]](_MOST_STREAMS)
+        self._classes = BoundedDict[
+            tuple[bytes, tuple[str, ...]], "type[Message] | UnknownFingerprint"
+        ](_MOST_STREAMS)
         self._streams = BoundedDict[_Key, _Stream](_MOST_STREAMS, _MOST_BYTES)
         # the first sender of each payload, by channel
         self._compared = BoundedDict[str, dict[int, Sender | None]](_MOST_STREAMS, _MOST_BYTES)
@@ -114,18 +131,19 @@ class Listening:
             stream.times.append(packet.time)
         stream.largest = max(stream.largest, packet.size)
         stream.bytes += packet.size
+        if packet.sender and packet.sender.port == self._port and packet.seqno is not None:
+            stream.take_number(packet.seqno)
         self._compare(packet, stream)
         self._streams.put(key, stream, stream.size())
         try:
-            cls = self._decoder.message_class(packet)  # loading a type does not count as decoding
+            cls = self._class_of(packet)  # loading a type does not count as decoding
         except LcmtoolsError:  # unknown type
             self._inspect_unknown(packet, stream)
             return
-        self._known.setdefault(packet.channel, {})[type_name(cls)] = None
         now = time.monotonic()
         has_time = self._spent <= self._share * (now - self._start) + 0.05
         if has_time or packet.channel in (CLOCK_TOPIC, _LOG):
-            self._inspect(packet, key)
+            self._inspect(packet, key, cls)
             self._spent += time.monotonic() - now
 
     def streams(self) -> tuple[Stream, ...]:
@@ -136,7 +154,7 @@ class Listening:
                 format=s.format,
                 doubled=len(s.doubled),
                 repeated=len(s.repeated),
-                grown=s.grown,
+                programs=len(s.runs) if s.turns >= _MIXED else 1,
             )
             for key, s in sorted(self._streams.items(), key=str)
         )
@@ -172,17 +190,18 @@ class Listening:
         return tuple(LogLine(*entry, count) for entry, count in self._logs.items())
 
     def clock_ratio(self) -> float | None:
-        """Return the simulated seconds per second in the fastest quarter of the look.
+        """Return the simulated seconds per second in most parts of the look.
 
-        A single pause is not slowness. None if there are too few ticks, or time jumps back.
+        A single pause is not slowness, nor is a quick part speed. None if there are too few ticks,
+        or if time jumps back.
         """
         ticks = list(self.clock_ticks)
         seconds = (ticks[-1][0] - ticks[0][0]) / 1e9 if ticks else 0.0
         if seconds < _CLOCK_SPAN or self._jumps():
             return None
-        step = max(1, (len(ticks) - 1) // 4)
+        step = max(1, (len(ticks) - 1) // _PARTS)
         parts = [(ticks[n], ticks[n + step]) for n in range(0, len(ticks) - step, step)]
-        return max((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
+        return median((b[1] - a[1]) / max(1, b[0] - a[0]) for a, b in parts)
 
     def clock_jumps(self) -> int:
         """Return how often simulated time jumps back; 0 if several clocks are published."""
@@ -190,6 +209,22 @@ class Listening:
 
     def _jumps(self) -> int:
         return sum(later[1] < one[1] for one, later in pairwise(self.clock_ticks))
+
+    def _class_of(self, packet: Packet) -> type[Message]:
+        """Return the type of a message, looked up once and not for each channel of a large log.
+
+        Of types with equal fields any one does.
+        """
+        key = packet.payload[:8], tuple(self._types_of(packet.channel))
+        if key not in self._classes:
+            try:
+                self._classes[key] = self._decoder.message_class(packet)
+            except UnknownFingerprint as error:
+                self._classes[key] = error
+        found = self._classes[key]
+        if isinstance(found, UnknownFingerprint):
+            raise found
+        return found
 
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Note whether the same message came before, from the same or another sender."""
@@ -213,18 +248,12 @@ class Listening:
         if not packet.payload or stream.format:
             return
         stream.format = foreign_format(packet.payload, is_whole=is_whole)
-        is_known = stream.format or stream.grown or packet.fingerprint is None
-        if is_whole and not is_known and len(stream.times) <= _TRIED:
-            channel = packet.channel
-            found = self._known.get(channel, {})
-            known = (*self._types_of(channel), *found, *own_types_like(channel))
-            stream.grown = grown_type(packet.payload, known)
 
-    def _inspect(self, packet: Packet, key: _Key) -> None:
+    def _inspect(self, packet: Packet, key: _Key, cls: type[Message]) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
         try:
-            message = self._decoder.decode(packet)
+            message = decode(cls, packet.payload)
         except DecodeError as error:
             self._add_oddity("undecodable", key, str(error))
             return

@@ -61,6 +61,15 @@ while True:
         pass
     time.sleep(0.1)
 """
+_EARS = """
+import lcmtools
+from lcmtools.types.std_msgs import String
+lcmtools.init()
+node = lcmtools.Node("ears")
+node.create_subscription(String, "/chatter", lambda _: None, 10)
+print("listens", flush=True)
+lcmtools.spin(node)
+"""
 MAKES_A_BUS = """
 import socket, sys, threading, time
 if "7700" in sys.argv[1]:
@@ -124,6 +133,25 @@ def test_a_listener_on_another_bus(world: Any) -> None:
     assert found.severity == "warning"
     world.again(away, LCMTOOLS_DOMAIN="", **found.variables)
     world.is_silent()
+
+
+def test_a_python_node_on_another_domain_by_mistake(world: Any) -> None:
+    """Nodes do not load liblcm, and nothing in such a command line names it."""
+    world.node("talker")
+    away = world.script(_EARS, ready="listens", LCMTOOLS_DOMAIN="3")
+    where = f"pid {away.pid} on 239.255.76.67:7670 (LCMTOOLS_DOMAIN=3)"
+    found = world.finds("other-buses", "wait there for /chatter", where)
+    assert found.severity == "warning"
+    world.again(away, LCMTOOLS_DOMAIN="", **found.variables)
+    world.is_silent()
+
+
+def test_a_program_whose_url_lacks_the_port_is_on_no_bus_although_it_listens(world: Any) -> None:
+    world.node("talker")
+    world.node("listener")
+    url = "udpm://239.255.76.67"
+    program = world.hears("X", LCM_DEFAULT_URL=url)
+    world.finds("other-buses", f"pid {program.pid} on no bus (LCM_DEFAULT_URL={url})", "the port")
 
 
 def test_two_systems_of_one_kind_on_two_buses(world: Any) -> None:

@@ -11,9 +11,11 @@ import pytest
 
 from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.multicast import receiving_socket
+from lcmtools.bus.network_watch import route_interface
 from lcmtools.bus.processes import owners, udp_sockets
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor import self_test
+from lcmtools.doctor.firewall import Traffic
 from lcmtools.doctor.host import firewall, host, silent_bridge
 from lcmtools.doctor.lcm_processes import lcm_processes, processor_times, state_of
 from lcmtools.doctor.self_test import large_problem, send_problem
@@ -198,16 +200,48 @@ def test_datagrams_that_the_system_refuses_to_send_are_told(
 def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -> None:
     url = parse_url("udpm://239.255.76.67:7667?ttl=1")
     assert send_problem(url) == ("", "")
-    ip("route", "add", "prohibit", "239.255.76.67/32")
-    what, remedy = send_problem(url)
-    assert what == "sending to 239.255.76.67:7667 is forbidden (Permission denied)"
-    assert remedy.startswith("a firewall does that; type: ")
-    ip("route", "del", "prohibit", "239.255.76.67/32")
+    for kind, reason in (("prohibit", "Permission denied"), ("blackhole", "Invalid argument")):
+        ip("route", "add", kind, "239.255.76.67/32")
+        what, remedy = send_problem(url)
+        assert what == f"a {kind} route forbids sending to 239.255.76.67:7667 ({reason})"
+        assert remedy.startswith(f"find it with: ip route show table all type {kind}; then: ")
+        ip("route", "del", kind, "239.255.76.67/32")
     ip("route", "del", "224.0.0.0/4")
     what, remedy = send_problem(url)
     assert what == "no multicast route to 239.255.76.67:7667"
     assert remedy.startswith("connect the network, or set a route to its interface: sudo ip route")
     assert large_problem(url) == ""  # not even a small one leaves: another rule says so
+
+
+@pytest.mark.usefixtures("private_network")
+def test_the_route_is_that_of_the_kernel_whichever_table_has_it(ip: Callable[..., None]) -> None:
+    """As with a VPN: the main table leads elsewhere, or nowhere."""
+    group = "239.255.76.67"
+    assert route_interface(group) == "lo"
+    ip("link", "add", "vpn", "type", "veth", "peer", "name", "far")
+    ip("link", "set", "far", "up")
+    ip("link", "set", "vpn", "up")
+    ip("addr", "add", "10.8.0.1/24", "dev", "vpn")
+    ip("route", "add", "default", "dev", "vpn", "table", "200")
+    ip("rule", "add", "priority", "100", "table", "200")
+    assert route_interface(group) == "vpn"
+    ip("route", "del", "224.0.0.0/4")
+    assert route_interface(group) == "vpn"
+    ip("rule", "del", "priority", "100")
+    assert route_interface(group) == ""
+    ip("route", "add", "prohibit", f"{group}/32")
+    assert route_interface(group) == ""
+
+
+@pytest.mark.parametrize("name", ["PYTHONPATH", "LCMTOOLS_TYPE_PATH"])
+def test_a_folder_that_cannot_be_looked_into_is_named_with_its_variable(
+    name: str, tmp_path: Path, bus_url: str
+) -> None:
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    here = host(parse_url(bus_url), {name: f"{loop}/types:{tmp_path / 'gone'}"})
+    assert f"{name} has {loop}/types, which cannot be read" in here.environment
+    assert f"{name} has {tmp_path / 'gone'}, which does not exist" in here.environment
 
 
 @pytest.fixture
@@ -255,14 +289,15 @@ def rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], No
     return write
 
 
+_TRAFFIC = Traffic("239.255.76.67", 7667, "eth0")
 _DROPS = "table inet t {\n chain c {\n  type filter hook input priority 0; policy drop;\n }\n}"
 
 
 def test_rules_that_drop_are_a_firewall_and_others_are_none(rules: Callable[[str], None]) -> None:
     rules(_DROPS)
-    assert firewall() == ("nftables", "inet t c", "")
+    assert firewall(_TRAFFIC) == ("nftables", "inet t c", "")
     rules(_DROPS.replace("drop", "accept"))
-    assert firewall() == ("", "", "")
+    assert firewall(_TRAFFIC) == ("", "", "")
 
 
 def test_who_is_not_root_is_told_that_rules_are_unknown(
@@ -270,14 +305,14 @@ def test_who_is_not_root_is_told_that_rules_are_unknown(
 ) -> None:
     rules(_DROPS)
     monkeypatch.setattr("os.getuid", lambda: 1000)
-    name, _, unknown = firewall()
+    name, _, unknown = firewall(_TRAFFIC)
     assert name == ""
     assert unknown.startswith("only root can read its rules")
 
 
 @pytest.mark.usefixtures("rules")
 def test_where_no_program_shows_the_rules_they_are_unknown() -> None:
-    name, _, unknown = firewall()
+    name, _, unknown = firewall(_TRAFFIC)
     assert name == ""
     assert unknown.startswith("neither nft nor iptables-save is installed")
 
@@ -288,6 +323,6 @@ def test_a_firewall_that_says_so_itself_needs_no_root(
 ) -> None:
     monkeypatch.setattr("os.getuid", lambda: 1000)
     (tmp_path / "firewalld.pid").touch()
-    assert firewall() == ("firewalld", "", "")
+    assert firewall(_TRAFFIC) == ("firewalld", "", "")
     (tmp_path / "ufw.conf").write_text("ENABLED=yes\n")
-    assert firewall() == ("ufw", "", "")
+    assert firewall(_TRAFFIC) == ("ufw", "", "")

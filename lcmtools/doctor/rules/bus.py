@@ -85,6 +85,7 @@ def _obstacles(host: Host) -> Iterator[Statement]:
         " and LCMTOOLS_DOMAIN in both shells",
         "start-something": "start something, for example: `lcmtools run talker`",
     },
+    unless={"other-buses": "", "silent": "", "stuck-listeners": "", "loss": "", "malformed": ""},
     evidence="the nodes' announcements and all messages of the look",
 )
 def something_is_there(evidence: Evidence) -> Iterator[Finding]:
@@ -92,7 +93,7 @@ def something_is_there(evidence: Evidence) -> Iterator[Finding]:
 
     A note if plain LCM programs are present: they may have nothing to send.
     """
-    if evidence.bus_problem or not _is_empty(evidence):
+    if evidence.bus_problem or not is_empty(evidence):
         return
     there = dict.fromkeys(subject(one) for one in evidence.listeners if not one.is_tool)
     facts = [state("listens", listener=one) for one in there]
@@ -153,13 +154,13 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     """
     if evidence.bus_problem:
         return
-    missed, is_empty = missed_on_other_buses(evidence), _is_empty(evidence)
+    missed, nothing_here = missed_on_other_buses(evidence), is_empty(evidence)
     lacks = bool(missed_topics(evidence))
     elsewhere = [p for p in evidence.processes if p.bus and not _has_mpudpm(p, evidence)]
     others = [
         p
         for p in elsewhere
-        if is_empty or missed & set(p.topics) or p.awaited or (lacks and _url_fault(p))
+        if nothing_here or missed & set(p.topics) or p.awaited or (lacks and _url_fault(p))
     ]
     severity = Severity.WARNING if others else Severity.NOTE
     others = others or elsewhere
@@ -172,9 +173,9 @@ def programs_are_on_this_bus(evidence: Evidence) -> Iterator[Finding]:
     topics = sorted(missed & {topic for p in others for topic in p.topics})
     awaited = sorted({topic for p in others for topic in p.awaited})
     remedies = []
-    if urls and len(urls) <= (_MOST_REMEDIES if is_empty else bool(topics)):
+    if urls and len(urls) <= (_MOST_REMEDIES if nothing_here else bool(topics)):
         remedies += [state("export", variable="LCM_DEFAULT_URL", value=url) for url in urls]
-    if not is_empty:
+    if not nothing_here:
         remedies.append(state("join-here", variable="LCM_DEFAULT_URL", value=evidence.url))
         if not all(p.variable for p in others):
             remedies.append(state("name-here"))
@@ -207,7 +208,7 @@ def _url(process: LcmProcess) -> str:
     return process.bus if "://" in process.bus else f"udpm://{process.bus}?ttl=0"
 
 
-def _is_empty(evidence: Evidence) -> bool:
+def is_empty(evidence: Evidence) -> bool:
     """Return whether the bus has neither nodes nor messages."""
     seen = any(not is_hidden(traffic.channel) for traffic in evidence.graph.traffic)
     nodes = any(not node.tool or node.having(Role.PUBLISHER) for node in evidence.graph.nodes)

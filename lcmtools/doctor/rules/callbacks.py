@@ -16,7 +16,6 @@ _START = 3.0  # [s] until a node must spin
 _UNBROKEN = 0.999  # without a pause, which a busy computer does not cause
 _ENOUGH_CALLS = 5  # the first calls may load what later ones need
 _MANY = 0.05  # share of all messages: more than the first seconds lose
-_SECOND_LOOK = 3.5  # [s]
 _QUICK = 0.5  # share of the time between two messages, or of all time
 _MISSED = 0.25  # share of messages: more than the irregularity of a busy computer loses
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
@@ -284,14 +283,14 @@ def _less(node: Node, busiest: str) -> Statement:
     return state("busiest-less", node=node, busiest=busiest)
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows occasional losses; 0 if none are suspected.
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether occasional losses are suspected.
 
     A node that lost a large share of its messages may be blocked only every few seconds.
     """
     subscriptions = [one for work in _work_of_nodes(evidence) for one in _subscriptions(work)]
     lossy = (one.endpoint.drops > _MANY * one.endpoint.messages for one in subscriptions)
-    return _SECOND_LOOK if any(lossy) and not any(one.lost for one in subscriptions) else 0.0
+    return any(lossy) and not any(one.lost for one in subscriptions)
 
 
 def _work_of_nodes(evidence: Evidence) -> Iterator[_Work]:

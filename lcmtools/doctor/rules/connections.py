@@ -28,6 +28,7 @@ _LONG_NAME = 60  # bytes; LCM takes 63
         "start-publisher": "start a publisher of {topics:and}; to see what is published:"
         " `lcmtools list -v`",
     },
+    unless={"other-buses": "topic", "stale-nodes": "published"},
     evidence="announcements, with command lines; channels of all messages",
 )
 def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
@@ -37,11 +38,14 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     not started. A note if it has not come repeatedly before, and a program that is not a node may
     publish it rarely, or only a simulator waits, and nothing that is published may be meant for it.
     """
-    # other rules report topics of other buses, and of publishers that hang
-    others = missed_on_other_buses(evidence) | evidence.stale_published
-    every = unconnected_subscriptions(evidence)
-    unconnected = [(node, end) for node, end in every if end.topic not in others]
-    remedies = [one.remedy for one in _connection_finder(evidence).suggestions(unconnected)]
+    unconnected = unconnected_subscriptions(evidence)
+    suggestions = all_suggestions(evidence)
+    remedies = [one.remedy.of("topic", one.topic) for one in suggestions]
+    title = state("unconnected-subscriptions").of("suggested", *(x.channel for x in suggestions))
+    names = {node.id: node.name for node in evidence.graph.nodes}
+    title = title.of("misled", *(names[one.listener] for one in suggestions))
+    pairs = (f"{names[x.publisher]} {x.channel}" for x in suggestions if x.publisher)
+    title = title.of("pair", *pairs)
     facts, severity = list(_facts(unconnected)), Severity.WARNING
     if not remedies:
         topics = dict.fromkeys(end.topic for _, end in unconnected)
@@ -52,7 +56,7 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
         is_lost = any(end.messages >= connecting.FEWEST for _, end in unconnected)
         is_seldom = quiet or _waits_for_commands(evidence, unconnected)
         severity = Severity.NOTE if is_seldom and not is_lost else severity
-    return finding("unconnected-subscriptions", facts, *remedies, severity=severity)
+    return finding(title, facts, *remedies, severity=severity)
 
 
 def _waits_for_commands(evidence: Evidence, unconnected: Iterable[connecting.End]) -> bool:
@@ -74,6 +78,11 @@ def _waits_for_commands(evidence: Evidence, unconnected: Iterable[connecting.End
     title="The following node publications have no announced subscriber:",
     facts=_NODE_TOPICS,
     remedies=REMAPS,
+    unless={
+        "other-buses": "topic",
+        "stale-nodes": "subscribed",
+        "unconnected-subscriptions": "pair misled",
+    },
     evidence="announcements; sockets that listen without a node",
 )
 def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
@@ -86,19 +95,15 @@ def publications_have_subscribers(evidence: Evidence) -> Iterator[Finding]:
     """
     if any(not listener.is_node and not listener.is_tool for listener in evidence.listeners):
         return
-    suggestions = all_suggestions(evidence)
-    known = {(suggestion.publisher, suggestion.channel) for suggestion in suggestions}
-    apart = {suggestion.listener for suggestion in suggestions} | simulator_ids(evidence)
-    awaited = {topic for process in evidence.processes for topic in process.awaited}
-    unconnected = [
-        (node, end)
-        for node, end in connecting.unconnected_ends(evidence.graph, Role.PUBLISHER)
-        if (node.id, end.topic) not in known
-        if end.topic not in awaited | evidence.stale_subscribed
-        if node.id not in apart
-    ]
-    remedies_for_publication = _connection_finder(evidence).remedies_for_publication
-    remedies = (remedy for end in unconnected for remedy in remedies_for_publication(*end))
+    simulators = simulator_ids(evidence)
+    ends = connecting.unconnected_ends(evidence.graph, Role.PUBLISHER)
+    unconnected = [(node, end) for node, end in ends if node.id not in simulators]
+    finder = _connection_finder(evidence)
+    remedies = (
+        one.of("pair", f"{node.name} {end.topic}").of("topic", end.topic).of("who", node.name)
+        for node, end in unconnected
+        for one in finder.remedies_for_publication(node, end)
+    )
     yield from finding("unconnected-publications", _facts(unconnected), *remedies)
 
 
@@ -168,6 +173,7 @@ def _facts(unconnected: Iterable[connecting.End]) -> Iterator[Statement]:
         "shorter-name": "use a shorter name",
         "subscribe-to-pattern": "or subscribe to the pattern {pattern}",
     },
+    unless={"unconnected-subscriptions": "suggested"},
     evidence="channels of all messages",
 )
 def names_are_good(evidence: Evidence) -> Iterator[Finding]:
@@ -175,12 +181,13 @@ def names_are_good(evidence: Evidence) -> Iterator[Finding]:
 
     liblcm matches names as UTF-8 text: other names never arrive. A name has at most 63 bytes.
     """
-    suggested = {one.channel for one in all_suggestions(evidence)}  # reported with a subscription
-    senders = {s.channel: s.name for s in evidence.streams if s.channel not in suggested}
+    senders = {s.channel: s.name for s in evidence.streams}
     bad = {channel: reason for channel in senders if (reason := _name_fault(channel))}
     odd = (state("odd-channel", topic=c, sender=senders[c], reason=why) for c, why in bad.items())
     patterns = [channel for channel, reason in bad.items() if reason == _IS_PATTERN]
-    remedies = [state("subscribe-to-pattern", pattern=re.escape(c)) for c in patterns[:1]]
+    remedies = [
+        state("subscribe-to-pattern", pattern=re.escape(c)).of("topic", c) for c in patterns[:1]
+    ]
     yield from finding("unusable-names", odd, "plain-name", *remedies)
     long = [c for c in senders if len(c.encode("utf-8", "surrogateescape")) >= _LONG_NAME]
     note = Severity.NOTE
@@ -212,7 +219,7 @@ def _name_fault(channel: str) -> str:
 
 def _matches_itself(channel: str) -> bool:
     """Return whether a name, as a pattern of liblcm, matches itself."""
-    if channel.startswith("#!"):  # LCM's own
+    if channel.startswith("#!") or channel.replace("/", "").replace("_", "").isalnum():
         return True
     try:
         return re.fullmatch(channel, channel) is not None

@@ -6,8 +6,7 @@ from shlex import quote
 
 from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.doctor.evidence import Evidence, Oddity
-from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
-from lcmtools.doctor.rules.network import has_wrong_clock
+from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.shared import DECODED, SET_CLOCKS
 from lcmtools.observe.actuators import JOINTS, unattended_commands
 from lcmtools.observe.simulators import publishes_time, silence
@@ -92,6 +91,7 @@ def covariances_are_covariances(evidence: Evidence) -> Iterator[Finding]:
         "stamp-utc": "stamp with the time since 1970: time.time(), node.get_clock().now()",
         "use-sim-time": "if a simulator runs, start the node with _use_sim_time:=true",
     },
+    unless={"clocks": "far", "stale-nodes": "published"},
     evidence=DECODED,
 )
 def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
@@ -103,15 +103,12 @@ def stamps_are_current(evidence: Evidence) -> Iterator[Finding]:
     a timestamp, t, time_ms or the like is in the unit that makes it a time of this century.
     Old stamps that advance at the clock's rate are a note: a log may be played.
     """
-    mine = [odd for odd in evidence.oddities if not has_wrong_clock(evidence, odd.name)]
     # a single old message may be a latched one
-    mine = [odd for odd in mine if odd.kind != "old" or odd.count > 1]
+    mine = [odd for odd in evidence.oddities if odd.kind != "old" or odd.count > 1]
     evidence = replace(evidence, oddities=mine)
     yield from _odd(evidence, "future", *_clocks(evidence, "future"), "use-sim-time")
-    # a simulator that was killed or hangs is reported by another rule
-    is_simulated = any(map(publishes_time, evidence.graph.nodes))
-    if not is_simulated and CLOCK_TOPIC not in evidence.stale_published:
-        yield from _odd(evidence, "boot", "stamp-utc")
+    if not any(map(publishes_time, evidence.graph.nodes)):
+        yield from _odd(evidence, state("boot").of("topic", CLOCK_TOPIC), "stamp-utc")
     yield from _odd(evidence, "nsec", "split-time")
     yield from _odd(evidence, "unit", "microseconds")
     yield from _odd(evidence, "old", *_clocks(evidence, "old"), "use-sim-time")
@@ -186,7 +183,7 @@ def robots_are_commanded(evidence: Evidence) -> Iterator[Finding]:
     yield from finding("driven-by-nobody", facts.values(), *remedies.values())
 
 
-def _clocks(evidence: Evidence, kind: str) -> list[str]:
+def _clocks(evidence: Evidence, kind: str) -> list[Statement]:
     """Return the remedies for stamps: senders on this computer have the same clock."""
     is_log = evidence.url.startswith(_LOG)
     own = {sender.name for sender in evidence.senders if sender.is_local and not is_log}
@@ -198,15 +195,20 @@ def _clocks(evidence: Evidence, kind: str) -> list[str]:
         usual = "microseconds" if odd.text.startswith("utime") else "stamp-utc"
         return "stamp-if-no-log" if is_replayed else usual
 
-    return list(dict.fromkeys(remedy(odd) for odd in evidence.oddities if odd.kind == kind))
+    odd_ones = [odd for odd in evidence.oddities if odd.kind == kind]
+    return [state(remedy(odd)).of("who", odd.name) for odd in odd_ones]
 
 
 def _odd(
-    evidence: Evidence, kind: str, *remedies: str, severity: Severity = Severity.WARNING
+    evidence: Evidence,
+    title: str | Statement,
+    *remedies: str | Statement,
+    severity: Severity = Severity.WARNING,
 ) -> Iterator[Finding]:
+    kind = title.kind if isinstance(title, Statement) else title
     facts = (
         state("oddity", topic=odd.topic, sender=odd.name, text=odd.text, messages=odd.count)
         for odd in evidence.oddities
         if odd.kind == kind
     )
-    return finding(kind, facts, *remedies, severity=severity)
+    return finding(title, facts, *remedies, severity=severity)

@@ -11,7 +11,6 @@ _PER_MESSAGE = 1.1  # times a message: a buffer of this size holds it
 _DATAGRAM = 65_507  # bytes at most
 _STOPPED = frozenset({"T", "t"})
 _NEARLY_ALL, _AT_EDGES = 0.95, 2  # share of the messages of a look; messages at its ends
-_SECOND_LOOK = 3.0  # [s] in which a program that handles messages only at times does so
 _FILLING = 1.2  # times the bytes that waited at its start
 _BUFFER, _LARGE = 4 << 20, 8 << 20  # bytes that are enough for most; for all that is common
 _BUFFERS = "net.core.rmem_max"
@@ -26,6 +25,7 @@ _LARGER_BUFFER = {**_SYSCTL, "start-it-with-variable": "start it with {variable}
     title="The following read too slowly, so that the kernel dropped datagrams:",
     facts={"dropped": "{listener}: {drops}, its receive buffer {buffer_bytes:holds}"},
     remedies=_LARGER_BUFFER,
+    unless={"stuck-listeners": "who", "small-buffer": "who"},
     evidence="the kernel's count of drops for each socket",
     root_only="the names of other users' programs",
 )
@@ -37,8 +37,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
     facts = (
         state("dropped", listener=x, drops=x.drops, buffer_bytes=x.buffer_bytes or 0)
         for x in _programs(evidence)
-        if x.drops and not _is_stuck(x, evidence)
-        if not (x.is_node and evidence.malformed)
+        if x.drops and not (x.is_node and evidence.malformed)
     )
     return finding("kernel-drops", facts, *_larger_buffer(evidence))
 
@@ -58,6 +57,7 @@ def buffers_have_room(evidence: Evidence) -> Iterator[Finding]:
         "send-smaller-on": "send fewer or smaller messages on {topic}: one is lost with any of its"
         " parts",
     },
+    unless={"loss": "", "kernel-drops": "pid"},
     evidence="the counters in two announcements of each node",
 )
 def nodes_receive_whole_messages(evidence: Evidence) -> Iterator[Finding]:
@@ -89,6 +89,7 @@ def nodes_receive_whole_messages(evidence: Evidence) -> Iterator[Finding]:
         "inspect-java": "see what it does: `jstack {pid}`",
         "inspect-python": "see what it does: `sudo py-spy dump --pid {pid}`",
     },
+    unless={"stale-nodes": "pid"},
     evidence="the bytes that wait at each socket and in liblcm, the state of processes",
     root_only="the state of other users' programs",
 )
@@ -98,8 +99,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
     A stopped program does not, and its buffer fills. One of liblcm whose callback does not return
     still empties its buffer, but handles nothing.
     """
-    stale = {node.pid for node in evidence.own_nodes() if node.stale}  # reported by another rule
-    stuck = [x for x in _programs(evidence) if x.pid not in stale and _is_stuck(x, evidence)]
+    stuck = [x for x in _programs(evidence) if _is_stuck(x, evidence)]
     facts, remedies = [], []
     for x in stuck:
         if x.state in _STOPPED:
@@ -109,7 +109,7 @@ def listeners_read(evidence: Evidence) -> Iterator[Finding]:
         else:
             facts.append(state("bytes-wait", listener=x, queued_bytes=x.queued_bytes))
         remedy = "wake-or-end" if x.state in _STOPPED else _inspect(x)
-        remedies += [state(remedy, pid=x.pid)] if x.pid else []
+        remedies += [state(remedy, pid=x.pid).of("pid", str(x.pid))] if x.pid else []
     return finding("stuck-listeners", facts, *remedies)
 
 
@@ -273,9 +273,9 @@ def the_environment_is_in_order(evidence: Evidence) -> Iterator[Finding]:
     return finding("environment", facts, "correct-environment")
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows whether a program hangs; 0 if none does."""
-    return _SECOND_LOOK if any(x.hangs for x in _programs(evidence)) else 0.0
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether a program may hang: some handle messages only at times."""
+    return any(x.hangs for x in _programs(evidence))
 
 
 def _inspect(listener: Listener) -> str:
@@ -304,13 +304,12 @@ def _too_small(evidence: Evidence) -> list[Listener]:
 
 
 def _losses_of_nodes(evidence: Evidence) -> Iterator[tuple[Statement, Statement]]:
-    """Yield what nodes lost while receiving, and the remedy, unless their sockets tell it."""
-    told = {listener.pid for listener in _programs(evidence) if listener.drops}
+    """Yield what nodes lost while receiving, and the remedy."""
     own = {node.id for node in evidence.own_nodes()}
     before = {node.id: node for node in evidence.before.nodes}
     for node in evidence.graph.nodes:
         was, is_own = before.get(node.id), node.id in own
-        if was is None or node.tool or node.stale or (is_own and node.pid in told):
+        if was is None or node.tool or node.stale:
             continue
         earlier = _incomplete(was)
         for topic, count in _incomplete(node).items():

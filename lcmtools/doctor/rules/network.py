@@ -213,7 +213,8 @@ def clocks_agree(evidence: Evidence) -> Iterator[Finding]:
         if len(clock.nodes) > _MOST:
             facts.append(state("more", count=len(clock.nodes) - _MOST))
         kind = "clock-ahead" if clock.lag < 0 else "clock-behind"
-        title = state(kind, host=clock, seconds=abs(clock.lag))
+        odd = (one.name for one in evidence.oddities if has_wrong_clock(evidence, one.name))
+        title = state(kind, host=clock, seconds=abs(clock.lag)).of("far", *odd)
         yield from finding(title, facts, "set-clocks", "compare-clocks")
 
 

@@ -44,12 +44,14 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
     # a command that was killed is no part of the system
     stale = [node for node in evidence.graph.nodes if node.stale and not node.is_hidden]
     stale = [node for node in stale if _runs(node) or node.name not in alive]  # not started again
+    published, subscribed = evidence.stale_published, evidence.stale_subscribed
+    title = state("stale-nodes").of("published", *published).of("subscribed", *subscribed)
     for severity in (Severity.ERROR, Severity.NOTE):
         is_sure = severity is Severity.ERROR
         pairs = [_stale(evidence, one) for one in stale if _is_sure(evidence, one) is is_sure]
         facts = [fact for fact, _ in pairs]
         facts += [state("may-be-late")] if facts and not is_sure else []
-        yield from finding("stale-nodes", facts, *(x for _, x in pairs), severity=severity)
+        yield from finding(title, facts, *(x for _, x in pairs), severity=severity)
 
 
 def _is_sure(evidence: Evidence, node: Node) -> bool:
@@ -125,6 +127,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
         **DROP_REMAP,
         "start-simulator": "or start the simulator, for example: `lcmtools run sim`",
     },
+    unless={"stale-nodes": "published"},
     evidence="announcements",
 )
 def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
@@ -136,8 +139,7 @@ def simulated_time_has_a_source(evidence: Evidence) -> Iterator[Finding]:
     topic = evidence.graph.topic(CLOCK_TOPIC)
     waiting = [node for node, _ in topic.subscribers if not (node.stale or node.tool)]
     sources = [node for node, _ in topic.publishers if not node.stale]
-    # a publisher that was killed or hangs is reported by another rule
-    if not (sources or topic.foreign or CLOCK_TOPIC in evidence.stale_published):
+    if not (sources or topic.foreign):
         facts = (state("node-pid", node=node, pid=node.pid) for node in waiting)
         argument = "_use_sim_time:=true"
         remedies = (state("drop-remap", node=node, argument=argument) for node in waiting)

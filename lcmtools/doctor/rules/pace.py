@@ -23,10 +23,8 @@ _PERIODS = 10  # periods without a message are silence
 _ENOUGH = 10  # messages that are enough for a usual rate
 _SURE = 8  # expected messages that are enough to judge a rate
 _FALLEN = 0.5
-_FEW = 2  # expected messages in a brief look: 3 in a whole one
 _LATE = 3  # periods without a message are a reason to look longer
-_BURSTS = 3.0  # [s] between two bursts that do not count as silence
-_LONGEST = 5.0  # [s] of an extended look
+_LONGEST = 3.5  # [s] of a look
 _AGE = 5.0  # [s] the least age of a process for an average rate
 _BURST = 4  # times the median interval on average
 _AT_ONCE = 500_000  # [ns] between messages that are sent one after another
@@ -63,15 +61,14 @@ class _Pace:  # a publisher's messages during the look, and its usual rate
         """The rate now [Hz]; if no message came, its upper bound."""
         return self.sent / self.span if self.sent else 1 / max(self.span, self.age or 0.0)
 
-    def needed_duration(self) -> float:
-        """Return the duration of a look [s] that shows whether the rate fell; 0 if it is clear.
+    def is_doubtful(self) -> bool:
+        """Return whether only a longer look shows whether the rate fell.
 
         One or two missing messages are no reason for a longer look.
         """
         is_late = self.age is not None and self.age > max(_LATE / self.usual, 0.5)
         is_suspicious = is_late or (self.has_fallen and self.expected >= _LATE)
-        lasts = 1.5 * _SURE / self.usual
-        return lasts if is_suspicious and self.expected < _SURE and lasts <= _LONGEST else 0.0
+        return is_suspicious and self.expected < _SURE <= _LONGEST * self.usual
 
 
 @rule(
@@ -87,6 +84,7 @@ class _Pace:  # a publisher's messages during the look, and its usual rate
         "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
     },
     remedies=WAKE_OR_END,
+    unless={"stale-nodes": "pid", "stuck-listeners": "pid"},
     evidence="the nodes' counters, times of arrival, the state of processes; earlier looks with"
     " --watch",
     root_only="the state of other users' programs",
@@ -137,11 +135,8 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
 
 
 def _stopped(evidence: Evidence) -> Iterator[Finding]:
-    # other rules report stopped nodes and listeners
-    nodes = {node.pid for node in evidence.own_nodes()} | {x.pid for x in evidence.listeners}
-    processes = (one for one in evidence.processes if one.state in _STOPPED and not one.bus)
-    stopped = [one for one in processes if one.pid not in nodes]
-    remedies = (state("wake-or-end", pid=one.pid) for one in stopped)
+    stopped = [one for one in evidence.processes if one.state in _STOPPED and not one.bus]
+    remedies = (state("wake-or-end", pid=one.pid).of("pid", str(one.pid)) for one in stopped)
     facts = (state("process", process=one) for one in stopped)
     return finding("stopped-programs", facts, *remedies)
 
@@ -157,6 +152,7 @@ def _stopped(evidence: Evidence) -> Iterator[Finding]:
         " start",
         "slower-stream": "{sender}: {topic}, {rate:.3g} Hz instead of {usual:.3g} Hz",
     },
+    unless={"silent": "pair"},
     evidence="the nodes' counters, LCM's sequence numbers with the age of processes; earlier looks"
     " with --watch",
     root_only="the age of other users' programs",
@@ -167,11 +163,10 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     Nodes count their messages, LCM numbers those of other programs: both give the average rate
     since the start. With --watch the rates of earlier looks are used, too.
     """
-    silent = {(name, topic) for _, _, name, topic, _, _ in _silent(evidence)}
     facts: dict[tuple[str, str], Statement] = {}
     for pace in _paces(evidence):
         key = pace.name, pace.topic
-        if pace.has_fallen and pace.expected >= _SURE and key not in silent:
+        if pace.has_fallen and pace.expected >= _SURE:
             by, about = pace.publisher, {"topic": pace.topic} if pace.topic else {}
             parts = {"node": by} if isinstance(by, Node) else {"sender": by}
             fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)
@@ -179,19 +174,13 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
     return finding("slow-rate", facts.values())
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows which rates have fallen; 0 if none may have.
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether rates may have fallen.
 
     A stream that has just stopped may come in bursts.
     """
-    stops = any(isinstance(by, Stream) for _, by, *_ in _silent(evidence))
-    least = _BURSTS if stops else 0.0
-    return max(least, *(pace.needed_duration() for pace in _paces(evidence)), 0.0)
-
-
-def may_have_fallen(evidence: Evidence) -> bool:
-    """Return whether a rate may have fallen, so that a whole look may not be enough."""
-    return any(one.has_fallen and one.expected >= _FEW for one in _paces(evidence))
+    stops = (isinstance(by, Stream) for _, by, *_ in _silent(evidence))
+    return any(stops) or any(pace.is_doubtful() for pace in _paces(evidence))
 
 
 @rule(

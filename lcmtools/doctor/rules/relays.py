@@ -17,7 +17,6 @@ from lcmtools.doctor.findings import (
 from lcmtools.graph.model import FullLine, Graph, Node, Role
 
 _SHARE = 0.8  # of the messages that a line takes
-_REPORTS = 2.5  # [s]
 
 
 @rule(
@@ -53,6 +52,7 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
         "carry-less": "let it carry less, for example of images: --rate '/camera/**=5' --newest"
         " '/camera/**', or --deny",
     },
+    unless={"relay-bus": ""},
     evidence="two reports of each relay, and announcements of relays and servers",
 )
 def relays_drop_nothing(evidence: Evidence) -> Iterator[Finding]:
@@ -117,9 +117,9 @@ def lines_take_what_nodes_publish(evidence: Evidence) -> Iterator[Finding]:
     return finding("full-line", facts, *remedies)
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that has two reports of a relay whose line is full."""
-    return _REPORTS if _full_lines(evidence.graph) else 0.0
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether a line is full: two reports of its relay tell what was dropped."""
+    return bool(_full_lines(evidence.graph))
 
 
 def _full_lines(graph: Graph) -> list[tuple[Node, FullLine]]:

@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator
 
-from lcmtools.doctor.evidence import Evidence, LogLine
-from lcmtools.doctor.findings import Finding, Severity, Subject, finding, rule, state
-from lcmtools.doctor.rules.types import disagree
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.findings import Finding, Part, Severity, Subject, finding, rule, state
 
 _RECENT = 10.0  # [s]
 _IGNORED = ": message ignored: "  # as nodes log it, after the topic
@@ -36,7 +35,8 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
             # [s] since it was raised, by its own computer's clock
             age = (node.time_there(evidence.graph.time) - error.last_time) / 1e9
             if (age < _RECENT) == (severity is Severity.ERROR):
-                facts.append(state("raised", node=node, **{n: getattr(error, n) for n in _RAISED}))
+                fact = state("raised", node=node, **{n: getattr(error, n) for n in _RAISED})
+                facts.append(fact.of("raised", f"{node.name} {error.exception}"))
                 remedies.append(state("correct", node=node, place=error.place))
         yield from finding("callback-errors", facts, *remedies, severity=severity)
 
@@ -47,6 +47,7 @@ def callbacks_do_not_raise(evidence: Evidence) -> Iterator[Finding]:
     title="The following nodes log warnings or errors:",
     facts={"logged": "{node}: {level}: {text}{messages:count}"},
     remedies={"read-log": "read the whole log: `lcmtools echo /rosout`"},
+    unless={"callback-errors": "raised", "type-mismatch": "topic", "undecodable": "topic"},
     evidence="messages on /rosout during the look",
 )
 def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
@@ -56,17 +57,12 @@ def nodes_log_no_errors(evidence: Evidence) -> Iterator[Finding]:
     messages of another type, which are logged too, are reported by other rules.
     """
     raising = {node.name: node.errors for node in evidence.graph.nodes if node.errors}
-    facts = [
-        state("logged", node=Subject("node", x.node), level=x.level, text=x.text, messages=x.count)
-        for x in evidence.logs
-        if not any(error.exception in x.text for error in raising.get(x.node, ()))
-        if not _is_of_wrong_message(x, evidence)
-    ]
+    facts = []
+    for x in evidence.logs:
+        named: dict[str, Part] = {"node": Subject("node", x.node), "level": x.level}
+        raised = (e.exception for e in raising.get(x.node, ()) if e.exception in x.text)
+        topic, separator, _ = x.text.partition(_IGNORED)
+        fact = state("logged", **named, text=x.text, messages=x.count)
+        fact = fact.of("topic", topic) if separator else fact
+        facts.append(fact.of("raised", *(f"{x.node} {exception}" for exception in raised)))
     return finding("logged", facts, "read-log")
-
-
-def _is_of_wrong_message(line: LogLine, evidence: Evidence) -> bool:
-    """Return whether a node logs a message that it cannot decode, which another rule reports."""
-    topic, separator, _ = line.text.partition(_IGNORED)
-    is_odd = any(odd.topic == topic and odd.kind == "undecodable" for odd in evidence.oddities)
-    return bool(separator) and (is_odd or disagree(evidence.graph.topic(topic)))

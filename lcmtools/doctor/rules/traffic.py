@@ -11,7 +11,6 @@ from lcmtools.doctor.renaming import remap_argument
 from lcmtools.doctor.rules.connections import quiet_programs
 from lcmtools.doctor.rules.pace import resting_simulators
 from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
-from lcmtools.doctor.rules.types import disagree
 from lcmtools.graph.common_topics import MEANT_FOR_MANY
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
@@ -19,7 +18,6 @@ from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.simulators import is_paused, silence
 
 _SENT = "{lost} of {sent} ({percent:.1f} %)"
-_SECOND_LOOK = 3.0  # [s] in which slow publishers send several times
 _RECENT = 10_000_000_000  # [ns] since a publisher's last message
 _SOME = 3  # equal messages are not a coincidence
 _SLOWER = 0.9  # of the target rate
@@ -74,7 +72,8 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     """
     counts: Counter[str] = Counter()
     for stream in evidence.streams:
-        counts[stream.name] += stream.doubled
+        if stream.programs == 1:  # numbers of several programs may be the same
+            counts[stream.name] += stream.doubled
     doubled = ((name, count) for name, count in counts.items() if count >= _SOME)
     facts = [state("doubled", sender=name, count=count) for name, count in doubled]
     return finding("doubled", facts, "find-second-way")
@@ -96,6 +95,7 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
         "open-circle": "a program that forwards what it receives creates a loop if that comes back"
         " to it: let it publish on another channel",
     },
+    unless={"type-mismatch": "topic"},
     evidence="channels, senders and times of messages; announcements of commands",
     root_only="the names of other users' programs",
 )
@@ -111,13 +111,12 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
     rivals: dict[frozenset[str], list[Stream]] = defaultdict(list)
     for known in _by_input(evidence):
         several = [one for one in known if len(one.times) > 1 and not one.has_ended]
-        streams = {one.name: one for one in several if _has_rival(one, several)}
-        topics = {stream.channel for stream in streams.values()}
-        if len(streams) > 1 and not any(disagree(evidence.graph.topic(name)) for name in topics):
+        streams = {one.name: one for one in several if one.programs > 1 or _has_rival(one, several)}
+        if sum(one.programs for one in streams.values()) > 1:
             rivals[frozenset(streams)] += streams.values()
     for several in rivals.values():
         names = sorted({stream.channel for stream in several})
-        count = len({one.name for one in several})
+        count = sum({one.name: one.programs for one in several}.values())
         title = state("competing-publishers", count=count, topics=names)
         # two simulators send the same without passing it on
         repeat = [one for one in several if one.repeated >= _SOME and CLOCK_TOPIC not in names]
@@ -131,16 +130,15 @@ def topics_have_one_publisher(evidence: Evidence) -> Iterator[Finding]:
         yield from finding(title, facts, *circle, _separation(evidence, several, names))
 
 
-def needed_duration(evidence: Evidence) -> float:
-    """Return the duration of a look [s] that shows what needs several messages; 0 if it is clear.
+def is_in_doubt(evidence: Evidence) -> bool:
+    """Return whether something needs several messages to be judged.
 
     Those are publishers that compete, and the rate of simulated time.
     """
     several = ([one for one in streams if not one.has_ended] for streams in _by_input(evidence))
     is_unsure = any(len(s) > 1 and min(len(one.times) for one in s) == 1 for s in several)
     is_slow_clock = not evidence.clock and any(s.channel == CLOCK_TOPIC for s in evidence.streams)
-    is_unsure = is_unsure or is_slow_clock or _has_late_rival(evidence)
-    return _SECOND_LOOK if is_unsure else 0.0
+    return is_unsure or is_slow_clock or _has_late_rival(evidence)
 
 
 def _has_late_rival(evidence: Evidence) -> bool:

@@ -19,13 +19,6 @@ from lcmtools.doctor.findings import (
 )
 from lcmtools.doctor.rules.shared import simulator_ids
 from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
-from lcmtools.messages.near_types import (
-    NearType,
-    added_and_missing,
-    may_be_fingerprint,
-    nearest_type,
-    own_types_like,
-)
 from lcmtools.messages.registry import (
     candidates,
     is_own,
@@ -34,6 +27,12 @@ from lcmtools.messages.registry import (
     type_name,
     type_names,
     versioned,
+)
+from lcmtools.messages.type_versions import (
+    added_and_missing,
+    may_be_fingerprint,
+    other_version,
+    own_types_like,
 )
 from lcmtools.names import is_hidden, is_of_lcm
 from lcmtools.observe.reading.decoding import possible_types
@@ -139,6 +138,7 @@ def topics_have_one_type(evidence: Evidence) -> Iterator[Finding]:
         "correct-file": "correct the file that cannot be read: {problem}",
         **_TYPE_PATH,
     },
+    unless={"type-mismatch": "topic"},
     evidence="fingerprints and beginnings of messages, the known types",
 )
 def types_are_known(evidence: Evidence) -> Iterator[Finding]:
@@ -152,20 +152,21 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     near: list[Statement] = []
     unknown: list[Statement] = []
     foreign: list[Statement] = []
+    numbers = {number for seen in evidence.graph.traffic for number in seen.fingerprints}
+    known = {number for number in numbers if candidates(number)}
     formats = {(one.channel, one.sender): one.format for one in evidence.streams}
     for topic in evidence.graph.topics():
-        if is_hidden(topic.name) or disagree(topic):
+        if is_hidden(topic.name):
             continue
-        unknown_ones: dict[tuple[int, str, str], list[Subject]] = defaultdict(list)
+        unknown_ones: dict[tuple[int, str], list[Subject]] = defaultdict(list)
         for seen in topic.traffic:
             likely = formats.get((topic.name, seen.sender), "")
             is_hash = any(map(may_be_fingerprint, seen.fingerprints))
-            if (is_hash or likely) and not any(map(candidates, seen.fingerprints)):
+            if (is_hash or likely) and known.isdisjoint(seen.fingerprints):
                 sender = _sender(seen, sender_names(evidence))
-                grown = _grown(evidence, topic, seen)
-                unknown_ones[_sent_by(seen)[0], likely, grown].append(sender)
-        for (number, likely, grown), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _type(number, topic, grown=grown)
+                unknown_ones[_sent_by(seen)[0], likely].append(sender)
+        for (number, likely), senders in unknown_ones.items():
+            parts = {"format": likely} if likely else _type(number, topic)
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
@@ -182,6 +183,8 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
 
 def disagree(topic: Topic) -> bool:
     """Return whether publishers and subscribers of a topic use different types."""
+    if not (topic.publishers or topic.subscribers) and len(topic.traffic) <= 1:
+        return False  # as of most channels of a large log
     sent = [set(endpoint.fingerprints) for _, endpoint in topic.publishers if endpoint.fingerprints]
     sent += [{fingerprint} for seen in topic.traffic for fingerprint in _sent_by(seen)]
     taken = [set(e.fingerprints) for _, e in topic.subscribers if e.fingerprints]
@@ -206,8 +209,7 @@ def _users(topic: Topic, evidence: Evidence) -> Iterator[_User]:
     for seen in unannounced:
         for number in _sent_by(seen):
             sender = _sender(seen, sender_names(evidence))
-            grown = _grown(evidence, topic, seen)
-            yield _User("sends", sender, frozenset({number}), _type(number, topic, grown=grown))
+            yield _User("sends", sender, frozenset({number}), _type(number, topic))
 
 
 def _senders_without_type(topic: Topic) -> set[Sender]:
@@ -260,7 +262,8 @@ def _versions(topic: Topic, users: Sequence[_User]) -> Iterator[Statement]:
         added, missing = added_and_missing(newer, older)
         parts = {"newer": names[one], "older": names[other]}
         is_one = type_name(newer) == type_name(older)
-        if added and not missing and (is_one or len(older.__slots__) >= max(2, len(added))):
+        is_more = bool(added) and not missing
+        if is_more and (is_one or len(older.__slots__) >= max(2, len(added))):
             is_end = [*newer.__slots__[-len(added) :]] == added
             yield state("appended" if is_end else "has-more", **parts, fields=added)
             senders = [user.subject for user in users if other in user.fingerprints]
@@ -333,15 +336,7 @@ def _expected(topic: Topic) -> Iterator[str]:
     yield from own_types_like(topic.name)
 
 
-def _grown(evidence: Evidence, topic: Topic, seen: Traffic) -> str:
-    """Return the type that a sender's messages have with more bytes at the end; "" for none."""
-    streams = (s for s in evidence.streams if (s.channel, s.sender) == (topic.name, seen.sender))
-    return next((one.grown for one in streams), "")
-
-
-def _type(
-    fingerprint: int, topic: Topic, expected: Sequence[str] = (), grown: str = ""
-) -> dict[str, Part]:
+def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
     """Return the parts of a statement that describe the type of messages on a topic."""
     if fingerprint == _NO_TYPE:
         return {}
@@ -349,8 +344,6 @@ def _type(
         return {"types": tuple(known)}
     if not may_be_fingerprint(fingerprint):
         return {}
-    near = nearest_type(fingerprint, [*expected, *_expected(topic)], topic.name)
-    if grown and near is None:
-        near = NearType(grown, "with more bytes at the end, as if fields were added there")
+    near = other_version(fingerprint, [*expected, *_expected(topic)])
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})

@@ -129,11 +129,11 @@ def unknown_fingerprint(
 @lru_cache(maxsize=_MOST_SETTLED)
 def like_text(number: int, channel: str, announced: tuple[str, ...] = ()) -> str:
     """Return ": like nav_msgs/Odometry, but without the field twist", as wtf does; "" for none."""
-    from lcmtools.messages.near_types import may_be_fingerprint, nearest_type, own_types_like
+    from lcmtools.messages.type_versions import may_be_fingerprint, other_version, own_types_like
 
     if not may_be_fingerprint(number):
         return ""
-    near = nearest_type(number, (*announced, *own_types_like(channel)), channel)
+    near = other_version(number, (*announced, *own_types_like(channel)))
     return f": like {near.name}, but {near.difference}" if near else ""
 
 

@@ -15,8 +15,8 @@ from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import fields
-from lcmtools.messages.near_types import fingerprint_of
 from lcmtools.messages.registry import message_class
+from lcmtools.messages.type_versions import fingerprint_of
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.packages import provide_user_types
 from lcmtools.types.std_msgs import Float64

@@ -8,7 +8,7 @@ from typing import cast
 
 import pytest
 
-from lcmtools.doctor import brief, collect
+from lcmtools.doctor import collect
 from lcmtools.doctor.collect import _refreshed_graph, _without_departed
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.listening import Listening
@@ -116,16 +116,17 @@ def test_a_node_that_runs_is_given_time_to_answer(pid: int, answered: float, wai
 
 
 @pytest.mark.parametrize(
-    ("wanted", "is_enough", "taken", "listened"),
+    ("wanted", "doubts", "taken", "listened"),
     [
-        pytest.param(None, 1, [0.65], 0.7, id="brief"),
-        pytest.param(None, 0, [0.65, 0.3], 1.0, id="goes on to the whole second"),
-        pytest.param(2.0, 1, [2.0], 2.0, id="as long as was chosen"),
+        pytest.param(1.0, False, [1.0], 1.0, id="well"),
+        pytest.param(1.0, True, [1.0, 2.5], 3.5, id="goes on"),
+        pytest.param(0.1, True, [0.1], 0.1, id="too brief to go on"),
+        pytest.param(4.0, True, [4.0], 4.0, id="long enough"),
     ],
 )
-def test_a_look_is_brief_where_nobody_chose_its_length_and_that_is_enough(
-    wanted: float | None,
-    is_enough: int,
+def test_a_look_goes_on_once_if_it_is_in_doubt(
+    wanted: float,
+    doubts: bool,  # noqa: FBT001 - a parameter
     taken: list[float],
     listened: float,
     monkeypatch: pytest.MonkeyPatch,
@@ -135,8 +136,8 @@ def test_a_look_is_brief_where_nobody_chose_its_length_and_that_is_enough(
     monkeypatch.setattr(collect._Baseline, "now", lambda _: begin)
     monkeypatch.setattr(collect, "_receive", lambda _, __, seconds: parts.append(seconds))
     monkeypatch.setattr(collect, "_gather", lambda _, found, __, s: replace(found, listened=s))
-    monkeypatch.setattr(brief, "is_enough", lambda _: is_enough)
-    found = collect._observe(cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory())
+    known = cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory()
+    found = collect._observe(*known, lambda _: doubts)
     assert parts == pytest.approx(taken)
     assert found.listened == pytest.approx(listened)
 

@@ -36,8 +36,8 @@ from lcmtools.graph.model import (
     Traffic,
 )
 from lcmtools.messages.fields import fields
-from lcmtools.messages.near_types import fingerprint_of
 from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.messages.type_versions import fingerprint_of
 from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000

@@ -35,8 +35,8 @@ from lcmtools.doctor.lcm_processes import processor_times
 from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.fields import fields
-from lcmtools.messages.near_types import fingerprint_of
 from lcmtools.messages.registry import fingerprint, message_class
+from lcmtools.messages.type_versions import fingerprint_of
 
 
 def test_a_healthy_bus_is_no_finding() -> None:

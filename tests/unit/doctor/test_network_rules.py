@@ -15,7 +15,6 @@ from lcmtools.doctor.evidence import (
     SenderFacts,
 )
 from lcmtools.doctor.findings import Severity
-from lcmtools.doctor.host import refusing_chain
 from lcmtools.doctor.rules import relays
 from lcmtools.doctor.rules.unchecked import unchecked
 from lcmtools.doctor.sentences import commands, unchecked_text
@@ -127,50 +126,6 @@ def test_what_cannot_be_sent_is_an_error_with_the_remedy() -> None:
     forbidden = on(OUTGOING, send_problem="sending is forbidden", send_remedy="sudo ufw allow out")
     finding = found(forbidden)["sending"]
     assert (finding.severity, finding.remedies) == (Severity.ERROR, ("sudo ufw allow out",))
-
-
-_NFT = """table inet filter {
-	chain input {
-		type filter hook input priority filter; policy %s;
-		jump wanted
-	}
-	chain forward {
-		type filter hook forward priority filter; policy drop;
-	}
-	chain wanted {
-		%s
-	}
-	chain unused {
-		drop
-	}
-}"""
-_IPTABLES = """*filter
-:INPUT %s [0:0]
-:FORWARD DROP [0:0]
-:OUTPUT ACCEPT [0:0]
-:DOCKER - [0:0]
--A FORWARD -j DOCKER
--A OUTPUT -p udp %s
--A DOCKER -j DROP
-COMMIT"""
-
-
-@pytest.mark.parametrize(
-    ("rules", "chain"),
-    [
-        ("", ""),
-        (_NFT % ("accept", "udp dport 53 accept"), ""),
-        (_NFT % ("drop", "udp dport 53 accept"), "inet filter input"),
-        (_NFT % ("accept", "ip protocol udp drop"), "inet filter input"),
-        (_NFT % ("accept", "reject with icmpx admin-prohibited"), "inet filter input"),
-        (_IPTABLES % ("ACCEPT", "-j ACCEPT"), ""),
-        (_IPTABLES % ("DROP", "-j ACCEPT"), "INPUT"),
-        (_IPTABLES % ("ACCEPT", "-j REJECT --reject-with icmp-port-unreachable"), "OUTPUT"),
-        (_IPTABLES % ("ACCEPT", "-j DOCKER"), "OUTPUT"),
-    ],
-)
-def test_the_chain_of_a_firewall_that_refuses_is_read(rules: str, chain: str) -> None:
-    assert refusing_chain(rules) == chain
 
 
 @pytest.mark.parametrize(
@@ -285,7 +240,7 @@ def test_the_remedy_for_a_full_line_is_a_rate_that_it_takes() -> None:
     assert found(evidence)["relay-losses"].remedies == (
         f"start /its_name again with {options} as well",
     )
-    assert relays.needed_duration(evidence) > 1
+    assert relays.is_in_doubt(evidence)
 
 
 def test_a_server_that_drops_messages_for_a_client_is_named() -> None:

@@ -327,13 +327,14 @@ def test_simulated_time_needs_somebody_who_publishes_it() -> None:
     assert finding.items == (" * /talker (pid 7)",)
     assert finding.remedies[0] == "start /talker without _use_sim_time:=true"
     assert "no-clock" not in findings(follower, node("/sim", pub("/clock", "rosgraph_msgs/Clock")))
-    graph = Graph((follower,))
+    graph = Graph((follower, node("/sim", pid=8, stale=Staleness.ENDED)))
     killed = Evidence(url="udpm://x", graph=graph, stale_published=frozenset({"/clock"}))
     assert "no-clock" not in {finding.rule for finding in judge(killed)}
 
 
 def test_a_rule_that_is_not_asked_takes_nothing_from_others() -> None:
-    graph = Graph((node("/ear", sub("/chatter", STRING)),))
+    talker = node("/talker", pid=8, stale=Staleness.ENDED)
+    graph = Graph((node("/ear", sub("/chatter", STRING)), talker))
     evidence = Evidence(url="udpm://x", graph=graph, stale_published=frozenset({"/chatter"}))
     assert "unconnected-subscriptions" not in {finding.rule for finding in judge(evidence)}
     asked = [rule for rule in RULES if rule.id != "stale-nodes"]

@@ -93,19 +93,10 @@ def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one() -> None
 def older_odometry() -> int:
     """The fingerprint of nav_msgs/Odometry without its child_frame_id."""
     from lcmtools.messages.fields import fields
-    from lcmtools.messages.near_types import fingerprint_of
+    from lcmtools.messages.type_versions import fingerprint_of
 
     parts = fields(message_class(ODOMETRY))
     return fingerprint_of(tuple(field for field in parts if field.name != "child_frame_id"))
-
-
-def test_a_type_that_is_nearly_a_known_one_is_told_with_the_field_that_differs() -> None:
-    seen = Traffic("ODOM", Sender("10.0.0.1", 4000), (older_odometry(),), 5, 500, 0, 1)
-    finding = findings(traffic=[seen])["unknown-type"]
-    assert finding.severity is Severity.NOTE
-    assert finding.items[0].endswith(
-        ": like nav_msgs/Odometry, but without the field child_frame_id)"
-    )
 
 
 def test_a_mismatch_with_an_older_type_tells_the_field_that_differs() -> None:
