@@ -16,6 +16,7 @@ from typing import Protocol
 import yaml
 from common import rounds_asked, show
 
+from lcmtools import message_value
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.plain import to_plain
@@ -26,6 +27,7 @@ from lcmtools.types.nav_msgs import OccupancyGrid, Odometry
 from lcmtools.types.sensor_msgs import Image, JointState, LaserScan, PointCloud2
 from lcmtools.types.tf2_msgs import TFMessage
 
+message_value.settle_lengths = lambda _: None  # lcm-gen's encoder itself does no such thing
 _ROUND = 0.01  # [s] that one call is repeated before it is the next one's turn
 
 

@@ -66,7 +66,7 @@ _DECODED = {
 }
 """Messages, and how many times as fast as by lcm-gen's code they are to be decoded."""
 
-_TREE = {"first use": 12_000, "use after": 500, "use of": 150}
+_TREE = {"first use": 2000, "use after": 100, "use of": 100}
 """The goals of a look-up in a tree of users' types [ms], by how its description starts."""
 
 Row = Sequence[object]

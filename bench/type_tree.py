@@ -1,6 +1,6 @@
 """Users' types: a tree of 2,187 files with 1,437 types, as many as 74 public projects have.
 
-A type is looked up for the first time, when all files are compiled; then ``echo`` prints a message
+A type is looked up for the first time, when all files are parsed; then ``echo`` prints a message
 of it from a log, also after a comment in one file has changed. All are beside an ``echo`` without
 the tree, and in processor time, which a busy computer disturbs less than wall time.
 """

@@ -1,8 +1,16 @@
-"""Tables of text. Pure; ``observe.channels.table`` lays out the one that fits a terminal."""
+"""Tables of text, and numbers of things. Pure.
+
+``observe.channels.table`` lays out the table that fits a terminal.
+"""
 
 from collections.abc import Sequence
 
 _GAP_OF_ROSTOPIC = "   "
+
+
+def plural(number: int, noun: str) -> str:
+    """Return a number of things in words: "1 message", "2 messages"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def text_table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> list[str]:

@@ -1,28 +1,16 @@
-// A program's connection to the bus, the announcements of its nodes, and its signals. A thread of its
-// own announces, and receives messages into queues while no thread that waits for them does so itself.
-// Users' callbacks run elsewhere (node.hpp). Include node.hpp instead.
+// A program's context: the announcements of its nodes, and its signals. A thread of its own announces,
+// and receives messages into queues while no thread that waits for them does so itself. Users'
+// callbacks run elsewhere (node.hpp). Include node.hpp instead.
 #pragma once
 
-#include <fcntl.h>
-#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <cerrno>
-#include <condition_variable>
-#include <exception>
-#include <future>
-#include <iostream>
 #include <map>
-#include <mutex>
 #include <set>
-#include <thread>
 
-#include "lcmtools/bus.hpp"
-#include "lcmtools/endpoint.hpp"
 #include "lcmtools.h"
+#include "lcmtools/receiving.hpp"
 
 namespace lcmtools {
 
@@ -30,32 +18,8 @@ constexpr const char* version = "0.1.0";  // of lcmtools
 
 namespace detail {
 
-// The signals that end the program. The handler may only use what is lock-free, and write.
-struct Signals {
-  std::atomic<int> wakeup{-1};  // the end of a pipe to write to
-  std::atomic<bool> is_stopping{false};
-  std::atomic<int> number{0};
-};
-inline Signals signals;
-
-extern "C" inline void lcmtools_on_signal(int number) {
-  const int error = errno;
-  signals.number = number;
-  signals.is_stopping = true;
-  if (const int wakeup = signals.wakeup; wakeup >= 0 && ::write(wakeup, "s", 1) < 0) errno = 0;
-  errno = error;
-}
-
-template <class Future>
-bool is_ready(const Future& future) {
-  return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
-
-class Context {
+class Context : public Receiver {
  public:
-  using Take = std::function<void(const std::uint8_t*, std::size_t)>;
-
-  std::mutex mutex;                 // of all that follows, of ends and of participants
   Arguments arguments;
   std::string command;
   std::vector<std::string> notices;       // warnings about the command line, for the next node's log
@@ -65,18 +29,14 @@ class Context {
   const std::string ns = default_namespace();
 
   Context(Arguments said, std::string command_line)
-      : arguments(std::move(said)), command(std::move(command_line)) {
+      : Receiver(choose_url(said)), arguments(std::move(said)), command(std::move(command_line)) {
     char name[256] = "";
     ::gethostname(name, sizeof name - 1);
     host_ = name;
-    const auto url = choose_url(arguments);
-    lcm_.reset(open_bus(url));
     if (!lcmtools_make_folder(records_, sizeof records_, url.c_str())) *records_ = '\0';
-    is_lendable_ = url.compare(0, 4, "tcpq") != 0;  // its lcm_handle waits for the rest of a message
     subscribe("/_lcmtools/probe", [this](auto data, auto size) { take_probe(data, size); });
     subscribe("/_lcmtools/shutdown", [this](auto data, auto size) { take_shutdown(data, size); });
     if (is_in_lockstep()) subscribe("/_lcmtools/step", [this](auto data, auto size) { take_step(data, size); });
-    if (lcm_get_fileno(lcm_.get()) < 0) throw Error("nothing can be received from this bus");
     // the signals are for the program's own threads
     sigset_t ending, usual;
     sigemptyset(&ending);
@@ -98,40 +58,6 @@ class Context {
     notify();
   }
 
-  // Wait until something may have changed, or until a time; `lock` is of the mutex. If no other thread
-  // does, the calling one receives meanwhile: no message has to be passed on to it.
-  void wait(std::unique_lock<std::mutex>& lock, std::int64_t until) {
-    if (!is_lendable_ || is_led_.exchange(true)) {
-      changed_.wait_for(lock, std::chrono::nanoseconds(std::clamp<std::int64_t>(until - steady_now(), 0, longest_wait)));
-      return;
-    }
-    lock.unlock();
-    if (!receiving_.try_lock()) {
-      wakeup_.set();
-      receiving_.lock();
-    }
-    receive(leader_wakeup_, until);
-    ++turns_;
-    receiving_.unlock();
-    is_led_ = false;
-    if (is_resting_.exchange(false)) wakeup_.set();
-    lock.lock();
-    changed_.notify_all();  // another thread that waits is the next to receive
-  }
-  // Wait for a future until a time, or the program's end; return true if it is ready.
-  template <class Future>
-  bool wait_for(const Future& future, std::int64_t until) {
-    std::unique_lock lock(mutex);
-    while (!is_ready(future) && !signals.is_stopping && steady_now() < until) wait(lock, until);
-    return is_ready(future);
-  }
-  // Wake the threads that wait.
-  void notify() {
-    const std::lock_guard lock(mutex);
-    changed_.notify_all();
-    if (is_led_) leader_wakeup_.set();
-  }
-
   void say_all_goodbyes() {
     std::vector<std::shared_ptr<Participant>> nodes;
     {
@@ -146,38 +72,6 @@ class Context {
     stop();
     say_all_goodbyes();
     if (thread_.joinable()) thread_.join();
-  }
-
-  bool publish(const std::string& channel, const void* data, std::size_t size) {
-    return lcm_publish(lcm_.get(), channel.c_str(), data, static_cast<unsigned>(size)) >= 0;
-  }
-  template <class Message>
-  void publish(const std::string& channel, const Message& message) {
-    const wire::Bytes payload = message.packed();
-    publish(channel, payload.data(), payload.size());
-  }
-
-  lcm_subscription_t* subscribe(const std::string& channel, Take take) {
-    std::string pattern;  // liblcm takes a regular expression
-    for (char c : channel) pattern += (names::is_in(c, ".[]{}()*+?^$|\\") ? "\\" : "") + std::string(1, c);
-    auto kept = std::make_unique<Take>(std::move(take));
-    auto* subscription = lcm_subscribe(lcm_.get(), pattern.c_str(), on_message, kept.get());
-    if (!subscription) throw Error("the bus does not accept a subscription to " + channel);
-    lcm_subscription_set_queue_capacity(subscription, 0);  // the queues that drop are ours
-    const std::lock_guard lock(mutex);
-    takes_.push_back(std::move(kept));
-    return subscription;
-  }
-  // Have an end receive a channel's messages until it is closed.
-  lcm_subscription_t* subscribe(const std::string& channel, const std::shared_ptr<End>& end) {
-    return subscribe(channel, [this, end](const std::uint8_t* data, std::size_t size) {
-      const std::lock_guard lock(mutex);
-      if (!end->is_closed) end->receive(data, size);
-    });
-  }
-  void unsubscribe(lcm_subscription_t* subscription) {
-    const std::lock_guard lock(mutex);
-    removals_.push_back(subscription);
   }
 
   void add(const std::shared_ptr<Participant>& participant) {
@@ -245,87 +139,14 @@ class Context {
   }
 
  private:
-  static void on_message(const lcm_recv_buf_t* buffer, const char*, void* take) {
-    try {  // no exception may pass liblcm
-      (*static_cast<Take*>(take))(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size);
-    } catch (const std::exception& error) {
-      std::cerr << "lcmtools: a message was lost: " << error.what() << std::endl;
-    }
-  }
-
-  // A pipe: a byte wakes the thread that polls it.
-  struct Wakeup {
-    int ends[2] = {-1, -1};
-    Wakeup() {
-      if (::pipe(ends) != 0) throw Error("there are too many open files");
-      for (int end : ends) ::fcntl(end, F_SETFL, O_NONBLOCK), ::fcntl(end, F_SETFD, FD_CLOEXEC);
-    }
-    ~Wakeup() {
-      for (int end : ends) ::close(end);
-    }
-    void set() {
-      if (::write(ends[1], "w", 1) < 0) return;  // it is full: the thread will wake anyway
-    }
-    // Forget all bytes; return whether one was a signal's.
-    bool clear() {
-      char bytes[64];
-      bool is_signal = false;
-      for (ssize_t size; (size = ::read(ends[0], bytes, sizeof bytes)) > 0;)
-        is_signal = is_signal || std::find(bytes, bytes + size, 's') != bytes + size;
-      return is_signal;
-    }
-  };
-
-  static void wait_for(pollfd* waits, nfds_t number, std::int64_t until) {
-    const auto left = std::clamp<std::int64_t>(until - steady_now(), 0, longest_wait);
-#ifdef __APPLE__
-    ::poll(waits, number, static_cast<int>((left + ms - 1) / ms));
-#else
-    const timespec span = {static_cast<time_t>(left / 1'000'000'000), static_cast<long>(left % 1'000'000'000)};
-    ::ppoll(waits, number, &span, nullptr);
-#endif
-  }
-
-  // Receive all messages that are there, or wait for one until a time; with the right to receive.
-  void receive(Wakeup& wakeup, std::int64_t until) {
-    pollfd waits[] = {{lcm_get_fileno(lcm_.get()), POLLIN, 0}, {wakeup.ends[0], POLLIN, 0}};
-    const auto began = steady_now();
-    wait_for(waits, 2, until);
-    if (waits[1].revents && &wakeup == &leader_wakeup_) wakeup.clear();
-    // a message that was waited for is the only one, which saves a call of the system; callbacks and
-    // announcements wait for the end of a flood, but not for ever
-    for (int left = steady_now() - began > ms / 50 ? 1 : 1000; left > 0 && waits[0].revents; --left) {
-      if (lcm_handle(lcm_.get()) < 0)  // a lost server, to which liblcm connects again
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      waits[0].revents = 0;
-      if (left > 1) ::poll(waits, 1, 0);
-    }
-    unsubscribe_all();
-  }
-
   void run() {
     while (!is_closed_) {
-      const auto due = next_due();
-      const auto turns = turns_.load();
-      if (std::exchange(seen_turns_, turns) != turns) {  // it is trusted to come back
-        follow(std::min(due, steady_now() + patience));
-      } else if ((is_resting_ = is_led_.load())) {
-        follow(is_led_ ? due : 0);
-        is_resting_ = false;
-      } else if (const std::unique_lock lock(receiving_, std::try_to_lock); lock) {
-        receive(wakeup_, due);
-        notify();
-      }
+      take_turn(next_due());
       if (wakeup_.clear()) take_signal();
       announce_if_due();
       answer_aimed();
       repeat();
     }
-  }
-  // Wait while another thread receives, or has just done so.
-  void follow(std::int64_t until) {
-    pollfd wait = {wakeup_.ends[0], POLLIN, 0};
-    wait_for(&wait, 1, until);
   }
 
   std::int64_t next_due() {
@@ -360,15 +181,6 @@ class Context {
     notify();
   }
 
-  void unsubscribe_all() {
-    std::vector<lcm_subscription_t*> removals;
-    {
-      const std::lock_guard lock(mutex);
-      removals.swap(removals_);
-    }
-    for (auto* one : removals) lcm_unsubscribe(lcm_.get(), one);
-  }
-
   void announce_if_due() {
     std::unique_lock lock(mutex);
     const auto now = steady_now();
@@ -383,9 +195,12 @@ class Context {
 
   // Answer probes of single nodes, with the last nonce of each: a stranger may send them without end.
   void answer_aimed() {
+    std::unique_lock lock(mutex);
     if (aimed_.empty() || steady_now() < aimed_from_) return;
-    for (const auto& [name, nonce] : std::exchange(aimed_, {})) announce(nonce, name);
+    const auto aimed = std::exchange(aimed_, {});
     aimed_from_ = steady_now() + answer_spread;
+    lock.unlock();
+    for (const auto& [name, nonce] : aimed) announce(nonce, name);
   }
 
   void announce(std::int64_t nonce = 0, const std::string& target = "") {
@@ -473,7 +288,6 @@ class Context {
     wire::Reader reader{data, data + size};
     const std::lock_guard lock(mutex);
     reader(step_);
-    changed_.notify_all();
   }
 
   // End the program as by SIGTERM; first answer, so that a program that hangs is recognized.
@@ -495,26 +309,13 @@ class Context {
     else stop();
   }
 
-  static constexpr std::int64_t longest_wait = 3600 * period;
-  static constexpr std::int64_t patience = 10 * ms;  // that a thread that has received may be away
-
-  std::unique_ptr<lcm_t, void (*)(lcm_t*)> lcm_{nullptr, lcm_destroy};
-  std::condition_variable changed_;  // for threads that wait and do not receive
-  Wakeup wakeup_, leader_wakeup_;    // of the own thread, and of the one that waits and receives
-  std::mutex receiving_;             // held by the thread that calls lcm_handle and lcm_unsubscribe
-  std::atomic<bool> is_led_{false}, is_resting_{false};  // another thread receives; the own one sleeps until it leaves
-  std::atomic<unsigned> turns_{0};  // of other threads that received
-  unsigned seen_turns_ = 0;
-  bool is_lendable_ = true;
   std::string host_;
   char records_[512] = "";  // the folder of the records of running nodes
   std::thread thread_;
   std::mutex sending_;  // before `mutex`
   std::vector<std::shared_ptr<Participant>> participants_;
-  std::vector<lcm_subscription_t*> removals_;
-  std::deque<std::unique_ptr<Take>> takes_;  // kept until the end: liblcm may still call one
   std::int64_t due_ = steady_now() + period, repeat_due_ = never, answer_due_ = never, nonce_ = 0, next_count_ = 0, first_signal_ = 0, step_ = -1;
-  std::map<std::string, std::int64_t> aimed_;  // nonces of probes of single nodes; of the own thread alone
+  std::map<std::string, std::int64_t> aimed_;  // nonces of probes of single nodes
   std::int64_t aimed_from_ = 0;
   bool owes_another_ = false, is_behind_ = true, is_shutdown_requested_ = false;
   std::atomic<bool> is_closed_{false};

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Protocol
 
 from lcmtools.bag.output import output_beside
+from lcmtools.bag.picture_files import PictureFiles
 from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
 from lcmtools.bag.ros_types import NO_TYPES, RecordedTypes
 from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, OnOmission, ParquetFiles
@@ -25,8 +26,10 @@ SUFFIXES = {
     ".mcap": "mcap",
     ".bag": "ros1",
 }
-FORMATS = ("csv", "jsonl", "npz", "parquet", "mcap", "mcap-ros1", "ros1", "ros2")
+FORMATS = ("csv", "jsonl", "npz", "parquet", "mcap", "mcap-ros1", "ros1", "ros2", "png", "jpeg")
 _TEXTS = ("csv", "jsonl")
+_FOLDERS = {"ros2": "a bag of ROS 2", "png": "what has a file for each image"}
+_FOLDERS["jpeg"] = _FOLDERS["png"]
 
 
 @dataclass(slots=True)
@@ -72,7 +75,8 @@ def export(  # noqa: PLR0913 - each is a separate option
 ) -> Exported:
     """Write messages to a file or folder in another format, one of ``FORMATS``.
 
-    CSV and Parquet have a file for each topic: a target without a suffix is a folder for these. The
+    CSV and Parquet have a file for each topic: a target without a suffix is a folder for these;
+    pictures, png and jpeg, have a folder with a file for each image. The
     target appears when it is complete. ``compression`` is for MCAP; ``recorded`` are the types that
     the log keeps.
 
@@ -82,8 +86,9 @@ def export(  # noqa: PLR0913 - each is a separate option
         InvalidFile: Nothing could be exported.
     """
     done = Exported()
-    if format_ == "ros2" and is_stream(target):
-        raise UsageError(f"a bag of ROS 2 is a folder, which {target} cannot be", "use mcap")
+    if format_ in _FOLDERS and is_stream(target):
+        what = f"{_FOLDERS[format_]} is a folder, which {target} cannot be"
+        raise UsageError(what, "name a folder")
     with (
         output_beside(target, force=force, binary=format_ not in _TEXTS) as beside,
         _open(beside, format_, compression, recorded, done.add_omission) as file,
@@ -122,5 +127,7 @@ def _open(
         "mcap-ros1": lambda: McapFile(path, "ros1", compression, recorded),
         "ros1": lambda: RosBag(path, 1, recorded=recorded),
         "ros2": lambda: RosBag(path, 2, recorded=recorded),
+        "png": lambda: PictureFiles(path, "png"),
+        "jpeg": lambda: PictureFiles(path, "jpeg"),
     }
     return makers[format_]()

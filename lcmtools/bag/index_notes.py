@@ -3,7 +3,7 @@
 A worker looks up names of processes and files of types, so that reading goes on.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from time import monotonic
 
@@ -54,6 +54,7 @@ class IndexNotes:
         self._latched: frozenset[str] = frozenset()
         # The last message of each sender on each latched topic.
         self._held = BoundedDict[tuple[str, Sender | None], Packet](MOST_FLOWS, _MOST_KEPT_BYTES)
+        self._missed: set[tuple[str, Sender | None]] = set()
         self._lookup: Future[list[RecordedType]] | None = None
         self._next_lookup = 0.0
         self._noted: Losses = {}  # losses recorded in the file's index
@@ -72,6 +73,7 @@ class IndexNotes:
             self._add_node(packet, writer)
         if is_split:
             self._noted = self._monitor.losses()
+        self._missed.clear()
         held = [packet for packet in self._held.values() if packet.channel in self._latched]
         self.add([packet._replace(time=time) for packet in held], writer)
 
@@ -81,8 +83,20 @@ class IndexNotes:
             if packet.channel in self._latched:
                 self._held.put((packet.channel, packet.sender), packet, len(packet.payload))
 
-    def add(self, packets: Iterable[Packet], writer: LogWriter) -> None:
+    def miss(self, packets: Sequence[Packet]) -> None:
+        """Keep latched messages that come in a pause, for the next messages that are added."""
+        self.hold(packets)
+        self._missed |= {
+            (one.channel, one.sender) for one in packets if one.channel in self._latched
+        }
+
+    def add(self, packets: Sequence[Packet], writer: LogWriter) -> None:
         """Add messages to a file, with their senders."""
+        if self._missed and packets:
+            held = [self._held.get(key) for key in self._missed]
+            late = sorted((one for one in held if one), key=lambda one: one.time)
+            packets = [*(one._replace(time=packets[0].time) for one in late), *packets]
+            self._missed.clear()
         numbers, seen, latched, add = self._numbers, self._seen, self._latched, writer.add
         for packet in packets:
             number = numbers.use(packet.sender)

@@ -272,6 +272,7 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
                 ):
                     self._is_new_graph = True
         if len(self._pauses) > 1 or self.is_paused:
+            self._notes.miss([one for one in wanted if self._was_paused(one.time)])
             wanted = [packet for packet in wanted if not self._was_paused(packet.time)]
         if self._limits.messages is not None:
             wanted = [packet for packet in wanted if self._is_within(packet.channel)]

@@ -6,6 +6,7 @@ from lcmtools.bag.recorder import Progress
 from lcmtools.bag.series import LogSeries
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reports.describe import size_text
+from lcmtools.text_table import plural
 
 _MOST_NAMED = 20  # senders with losses
 
@@ -17,7 +18,7 @@ def summary(progress: Progress, series: LogSeries) -> str:
         f"{paths[0]} to {paths[-1].name}" if len(paths) > 1 else paths[0] if paths else "no file"
     )
     among = ", the last ones" if series.count > len(paths) else ""
-    what = f"{counted(progress.messages)} ({size_text(progress.bytes)}){among} in {where}"
+    what = f"{plural(progress.messages, 'message')} ({size_text(progress.bytes)}){among} in {where}"
     if not progress.losses_are_known:
         return f"{what}; losses are not known on this bus"
     return f"{what}; {losses_text(progress.losses, progress.overflows)}"
@@ -33,9 +34,4 @@ def losses_text(losses: Mapping[str, Loss], overflows: int = 0) -> str:
     if not overflows:
         return text
     seen = "" if named else " by the senders' numbers"
-    return f"{text}{seen}; up to {overflows} datagrams came while its buffers were full"
-
-
-def counted(messages: int) -> str:
-    """Return a number of messages in words."""
-    return "1 message" if messages == 1 else f"{messages} messages"
+    return f"{text}{seen}; up to {plural(overflows, 'datagram')} came while its buffers were full"

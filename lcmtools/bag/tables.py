@@ -40,7 +40,7 @@ class _TopicFiles:
     def path(self, topic: str) -> Path:
         """Return the path of a new topic's file; UsageError if the only file is taken."""
         if self._is_folder:
-            usual = _file_name(topic)
+            usual = file_name(topic)
             names = chain([usual], (f"{usual}_{number}" for number in count(2)))
             # some file systems ignore case
             name = next(name for name in names if name.lower() not in self._taken)
@@ -55,7 +55,7 @@ class _TopicFiles:
         return self._target
 
 
-def _file_name(topic: str) -> str:
+def file_name(topic: str) -> str:
     """Return the usual name of a topic's file, without its suffix: "husky0_odometry"."""
     name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in topic)
     return name.strip("_.") or "topic"

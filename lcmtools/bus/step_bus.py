@@ -38,7 +38,7 @@ class StepBus(ReceivingBus):
         self._has_ended = False
         self._sending = threading.RLock()  # not Lock: a signal handler may publish too
         self._waiting: list[bytes] = []  # frames to be sent with the answer
-        self._is_in_step = False
+        self._is_in_step = self._has_answered = False
         self._send = self._send_message
         self._write(tcpq.CLIENT_GREETING)
         self._start()
@@ -47,7 +47,7 @@ class StepBus(ReceivingBus):
         frame = tcpq.publish_frame(channel, payload)
         with self._sending:
             if channel == DONE_CHANNEL:
-                self._is_in_step = False
+                self._is_in_step, self._has_answered = False, True
             self._waiting.append(frame)
             if not self._is_in_step:
                 self._write(b"".join(self._waiting))
@@ -75,7 +75,8 @@ class StepBus(ReceivingBus):
             data = b""
         self._has_ended = not data
         frames = list(self._reader.read(data))
-        self._is_in_step = self._is_in_step or any(one.name == STEP_CHANNEL for one in frames)
+        has_step = any(one.name == STEP_CHANNEL for one in frames)
+        self._is_in_step |= self._has_answered and has_step  # else it may never answer one
         for frame in frames:
             self._dispatch(frame.name, tcpq.payload_of(frame))
         return 1

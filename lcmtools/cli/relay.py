@@ -25,7 +25,7 @@ from lcmtools.relay.hub import Hub, HubCounts, serve
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules, check_rules
 from lcmtools.relay.status import known_relays
-from lcmtools.text_table import text_table
+from lcmtools.text_table import plural, text_table
 
 _HEADING = ("relay", "host", "state", "bus", "sent to it", "left out", "trouble")
 
@@ -172,7 +172,8 @@ def _summary(link: Link) -> str:
     """Return a sentence with the totals of a relay."""
     here, there = link.ends
     carried = [
-        f"{end.messages} messages ({size_text(end.bytes)}) to {end.bus}" for end in (there, here)
+        f"{plural(end.messages, 'message')} ({size_text(end.bytes)}) to {end.bus}"
+        for end in (there, here)
     ]
     return f"{', '.join(carried)}; {_lost_text(link)}"
 
@@ -201,13 +202,13 @@ def run_server(url: BusUrl, line: StatusLine) -> NoReturn:
 
 def _show(line: StatusLine, counts: HubCounts) -> None:
     if rates := line.rates(counts.messages, counts.bytes):
-        clients = "1 client" if counts.clients == 1 else f"{counts.clients} clients"
+        clients = plural(counts.clients, "client")
         flow = f"{rates[0]:.0f} messages/s, {size_text(rates[1])}/s"
         line.write(f"{clients}; {flow}; {_dropped(counts)}")
 
 
 def _counted(counts: HubCounts) -> str:
-    return f"{counts.messages} messages ({size_text(counts.bytes)}); {_dropped(counts)}"
+    return f"{plural(counts.messages, 'message')} ({size_text(counts.bytes)}); {_dropped(counts)}"
 
 
 def _dropped(counts: HubCounts) -> str:

@@ -405,8 +405,13 @@ def _suggestion(
 def _rename_publisher(
     node: Node, end: Endpoint, publisher: Node, publication: Endpoint
 ) -> Suggestion:
-    """Suggest another topic for the publisher, because its name is the wrong one."""
+    """Suggest another topic for the publisher, because its name is the wrong one.
+
+    A simulator's names are right: the subscriber changes its own.
+    """
     topic = publication.topic
+    if is_simulator(publisher) and not is_simulator(node):
+        return _suggestion(node, start_with(node, end.topic, topic), topic, publisher)
     remedy = publish_on(publisher, topic, end.topic)
     return _suggestion(node, remedy, topic, publisher, "publishes", publisher=subject(publisher))
 

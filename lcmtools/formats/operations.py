@@ -18,6 +18,14 @@ LARGEST = 2**64
 CONSTANTS: Mapping[str, float] = {"pi": math.pi}
 _LONGEST_TEXT = 10_000
 
+
+def _power(base: float, exponent: float) -> float:
+    """Return an integer for integers if it has at most 64 bits, as Python does."""
+    result = math.pow(base, exponent)
+    is_whole = isinstance(base, int) and isinstance(exponent, int) and exponent >= 0
+    return base**exponent if is_whole and abs(result) <= LARGEST else result
+
+
 ARITHMETIC: Mapping[type[ast.operator], Function] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -25,7 +33,7 @@ ARITHMETIC: Mapping[type[ast.operator], Function] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
-    ast.Pow: math.pow,
+    ast.Pow: _power,
 }
 COMPARISONS: Mapping[type[ast.cmpop], Function] = {
     ast.Eq: operator.eq,
@@ -51,7 +59,7 @@ FUNCTIONS: Mapping[str, Function] = {
     "max": max,
     "min": min,
     "sum": sum,
-    "round": lambda value, digits=0: _rounded(value, digits),
+    "round": lambda value, digits=None: _rounded(value, digits),
     **{
         name: getattr(math, name)
         for name in ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot")
@@ -106,6 +114,8 @@ TEXT_METHODS: Mapping[str, Function] = {
 
 
 def _rounded(value: object, digits: object) -> float:
+    if digits is None:
+        return round(number(value))
     if not isinstance(digits, int) or not 0 <= digits <= 15:  # noqa: PLR2004 - a double's digits
         raise ValueError("the digits are a whole number from 0 to 15")
     return round(number(value), digits)

@@ -33,6 +33,12 @@ _COLLECTION_TAGS = (None, "!", f"{_TAG}seq", f"{_TAG}map")
 _TEXT_TAGS = (None, *(f"{_TAG}{name}" for name in ("int", "float", "bool", "null", "timestamp")))
 
 
+class QuotedText(str):
+    """Text in quotes, which is no number, truth value or null, whatever it says."""
+
+    __slots__ = ()
+
+
 class Node:
     """A value in a document, with its line."""
 
@@ -56,10 +62,10 @@ class Node:
         return not self.is_quoted and isinstance(self.value, str) and self.value in _NULLS
 
     def plain(self) -> PlainNode:
-        """Return the value without line numbers; None for an empty one."""
+        """Return the value without line numbers; None for an empty one, QuotedText in quotes."""
         value = self.value
         if isinstance(value, str):
-            return value if self.is_quoted or value not in _NULLS else None
+            return QuotedText(value) if self.is_quoted else None if value in _NULLS else value
         if isinstance(value, list):
             return [node.plain() for node in value]
         if isinstance(value, dict):

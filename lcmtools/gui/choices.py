@@ -16,7 +16,11 @@ from lcmtools.observe.channels.rows import ChannelRow
 _MOST_FIELDS = 300  # of one type
 _DEEPEST = 6  # levels of nested messages
 
-_KINDS: dict[str, Callable[[str], bool]] = {"velocity": is_velocity, "image": TYPES.__contains__}
+_KINDS: dict[str, Callable[[str], bool]] = {
+    "any": lambda _: True,
+    "velocity": is_velocity,
+    "image": TYPES.__contains__,
+}
 
 
 def topics(source: Source, parameters: Parameters) -> Json:

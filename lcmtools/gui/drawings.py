@@ -107,6 +107,11 @@ class Poses:
                 self.heard[child] = Heard(time)
         return ignored
 
+    def forget(self, names: Iterable[str]) -> None:
+        """Remove frames."""
+        for name in names:
+            del self._frames[name], self.heard[name]
+
     def drawing(self, old: Sequence[str]) -> Update:
         """Return all frames: pairs of names, which are old, and the poses as float32."""
         names: list[Json] = [[parent, child] for child, (parent, _) in self._frames.items()]

@@ -100,6 +100,10 @@ class Parameters:
         """Return the other values."""
         return Parameters({name: v for name, v in self._values.items() if name not in names})
 
+    def with_text(self, name: str, text: str) -> "Parameters":
+        """Return all values, with another text."""
+        return Parameters({**self._values, name: text})
+
     def _get(self, name: str, default: Json) -> Json:
         value = self._values.get(name, default)
         if value is None:

@@ -137,6 +137,12 @@ def publishers_of(source: Source) -> Publishers:
     return source.publishers
 
 
+def topic_named(source: Source, text: str) -> str:
+    """Return the topic that a page means: a slash may be missing, unless a channel is named so."""
+    channels = {row.channel for row in source.latest.rows}
+    return f"/{text}" if text not in channels and f"/{text}" in channels else text
+
+
 def absence(source: Source, topic: str) -> str:
     """Return a sentence on why no message arrives on a topic; "" while some do."""
     if not topic:

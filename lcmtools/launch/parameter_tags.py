@@ -4,15 +4,15 @@ Belongs here: the values of parameters, and which nodes get them. There is no pa
 LCM: each node gets its parameters on its command line.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
-from lcmtools.errors import InvalidName
+from lcmtools.errors import InvalidName, ValueMismatch
 from lcmtools.folders import read_text
 from lcmtools.formats.strict_xml import Element
 from lcmtools.launch.packages import path_from
 from lcmtools.launch.parameter_yaml import leaves, read_parameters, text_of
 from lcmtools.launch.scope import Scope, located
-from lcmtools.messages.setting import read_setting, write_setting
+from lcmtools.messages.setting import ANY, guessed, read_setting, write_setting
 from lcmtools.names import check_legal, namespace_of
 
 _KINDS = {
@@ -23,6 +23,8 @@ _KINDS = {
     "bool": "bool",
     "boolean": "bool",
 }
+AS_TYPED = "as typed"
+"""The type of a value that a YAML file gives: a node reads it as on its command line."""
 _SOURCES = ("value", "textfile", "command", "binfile")
 _MOST_NAMED = 5
 
@@ -71,6 +73,15 @@ def rosparam(element: Element, scope: Scope, notes: list[str]) -> Iterator[tuple
             yield name, text_of(leaf, source)
 
 
+def notes_on_values(found: Iterable[tuple[str, str]], element: Element) -> Iterator[str]:
+    """Yield a note on each parameter whose value no node can hold: the node misses it then."""
+    for name, text in found:
+        try:
+            read_setting(text, ANY, f"parameter {name}")
+        except ValueMismatch as error:  # noqa: PERF203 - each value fails on its own
+            yield f"{element.place}: {error.what}; a node cannot hold it, and goes without it"
+
+
 def own_parameters(node: str, everywhere: Mapping[str, str]) -> dict[str, str]:
     """Return the parameters with full names that a node gets: those below or above it.
 
@@ -106,12 +117,14 @@ def _read(element: Element, name: str, scope: Scope) -> str:
 def _typed(element: Element, scope: Scope, name: str) -> Iterator[tuple[str, str]]:
     """Yield names and texts of a value, checked by its type."""
     kind, text = scope.text(element, "type", "auto").lower(), scope.text(element, "value").strip()
-    if kind not in (*_KINDS, "auto", "yaml"):
+    if kind not in (*_KINDS, "auto", "yaml", AS_TYPED):
         raise element.error(f"'{kind}' is not a type", f"types: {', '.join(_KINDS)}, yaml, auto")
     if kind == "yaml" and (root := read_parameters(text, element.source, element.line)):
         yield from ((path, text_of(leaf, element.source)) for path, leaf in leaves(root, name))
-    elif kind in ("auto", "yaml"):
+    elif kind == AS_TYPED:
         yield name, text or write_setting("")  # nodes ignore an empty text
+    elif kind in ("auto", "yaml"):
+        yield name, text if not isinstance(guessed(text), str) else write_setting(text)
     elif _KINDS[kind] == "string":
         yield name, write_setting(text)
     else:

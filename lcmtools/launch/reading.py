@@ -24,7 +24,13 @@ from lcmtools.launch.executables import Executable
 from lcmtools.launch.file import File, read_file
 from lcmtools.launch.node_tag import find_node, node_name, plan_node
 from lcmtools.launch.packages import LABS, path_from
-from lcmtools.launch.parameter_tags import note_on_lost, own_parameters, param, rosparam
+from lcmtools.launch.parameter_tags import (
+    note_on_lost,
+    notes_on_values,
+    own_parameters,
+    param,
+    rosparam,
+)
 from lcmtools.launch.plan import NodePlan, Plan
 from lcmtools.launch.scope import Scope, located
 from lcmtools.launch.tags import known_children, notes_on
@@ -169,6 +175,7 @@ class _Reading:
 
     def _set(self, element: Element, scope: Scope, found: Sequence[tuple[str, str]]) -> Scope:
         """Set parameters: private ones for the nodes that follow, others by their full names."""
+        self.notes += notes_on_values(found, element)
         private = {name[1:].lstrip("/"): text for name, text in found if name.startswith("~")}
         for name, text in found:
             if not name.startswith("~"):

@@ -19,6 +19,7 @@ from typing import TypeAlias
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import Element
 from lcmtools.formats.strict_yaml import Node, read_file
+from lcmtools.launch.parameter_tags import AS_TYPED
 from lcmtools.launch.tags import END_OF_WORD
 from lcmtools.messages.setting import write_setting
 from lcmtools.names import did_you_mean
@@ -132,7 +133,7 @@ class _Reader:
             if isinstance(value.value, dict):
                 found += self._private_parameters(value, f"{path}{name}/")
             else:
-                pair = {"name": path + name, "value": self._flow(value)}
+                pair = {"name": path + name, "value": self._flow(value), "type": AS_TYPED}
                 found.append(Element("param", self.source, value.key_line, pair))
         return found
 

@@ -45,8 +45,7 @@ class EnumValue(int):
         """Return the enum with its values: a process that unpickles it may not know the type."""
         cls = type(self)
         members = tuple(cls.__members__.items())
-        name = str(getattr(cls, "__lcm_name__", cls.__name__))
-        return _unpickled, (name, cls.__module__, members, cls.__hash_number__, int(self))
+        return _unpickled, (enum_name(cls), cls.__module__, members, cls.__hash_number__, int(self))
 
     @classmethod
     def _get_hash_recursive(cls, parents: object) -> int:  # noqa: ARG003 - lcm-gen's interface
@@ -101,6 +100,11 @@ def _unpickled(
     name: str, module: str, members: tuple[tuple[str, int], ...], number: int, value: int
 ) -> EnumValue:
     return _pickled_class(name, module, members, number)(value)
+
+
+def enum_name(cls: type[EnumValue]) -> str:
+    """Return the full name of an enum: "rover/mode_t"."""
+    return str(getattr(cls, "__lcm_name__", cls.__name__))
 
 
 def enum_type(cls: type[EnumValue]) -> EnumType:

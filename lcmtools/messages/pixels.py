@@ -52,6 +52,10 @@ class PixelFormat:
         return {"H": "mm", "f": "m"}[self.number] if self.kind is Kind.DEPTH else ""
 
 
+_FILES = frozenset({"jpeg", "jpg", "png"})
+"""Encodings of messages of pixels whose data are an image file."""
+_WIDE = {"16SC1": ("h", 1e-3), "64FC1": ("d", 1.0)}
+"""Numbers that are shown as float32, in metres: their type code, and their unit in metres."""
 _GREY = PixelFormat(Kind.GREY)
 _GREY_16 = PixelFormat(Kind.GREY, "H")
 _BAYER = ("rggb", "bggr", "gbrg", "grbg")
@@ -112,11 +116,11 @@ def read_pixels(message: Image) -> Pixels:
     Raises:
         DecodeError: Its encoding is not known, or its sizes do not fit its data.
     """
-    if message.encoding not in FORMATS:
-        raise DecodeError(
-            f"pictures in '{message.encoding}' are not shown", f"known: {', '.join(FORMATS)}"
-        )
-    pixel = FORMATS[message.encoding]
+    wide, unit = _WIDE.get(message.encoding, ("", 1.0))
+    if message.encoding not in FORMATS and not wide:
+        known = ", ".join([*FORMATS, *_WIDE, *sorted(_FILES)])
+        raise DecodeError(f"pictures in '{message.encoding}' are not shown", f"known: {known}")
+    pixel = PixelFormat(Kind.DEPTH, wide) if wide else FORMATS[message.encoding]
     what = f"{message.width} x {message.height} {message.encoding}"
     check_size(message.width, message.height, message.encoding)
     row_bytes = message.width * pixel.size
@@ -133,7 +137,19 @@ def read_pixels(message: Image) -> Pixels:
         numbers = array(pixel.number, data)
         numbers.byteswap()
         data = numbers.tobytes()
+    if wide:
+        data = array("f", (number * unit for number in array(wide, data))).tobytes()
+        pixel = FORMATS["32FC1"]
     return Pixels(message.width, message.height, pixel, data)
+
+
+def as_file(message: Image | CompressedImage) -> CompressedImage | None:
+    """Return the image file that a message has; None if it has pixels."""
+    if isinstance(message, CompressedImage):
+        return message
+    if message.encoding.lower() not in _FILES:
+        return None
+    return CompressedImage(header=message.header, format=message.encoding, data=message.data)
 
 
 def image_file(message: CompressedImage) -> bytes:

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import PurePath
 from typing import ClassVar, Protocol, cast
 
-from lcmtools.errors import UnknownType
+from lcmtools.errors import InvalidFile, UnknownType
 from lcmtools.escapes import ESCAPES
 from lcmtools.messages.enums import EnumValue
 from lcmtools.messages.python_names import python_name, python_path
@@ -105,7 +105,7 @@ class Registry:
                 versions[name].update(dict.fromkeys(source.numbers(name), source))
         for name in names:
             for number, source in sorted(versions[name].items()):
-                with suppress(ImportError, AttributeError):  # made anew, or removed, meanwhile
+                with suppress(ImportError, AttributeError, InvalidFile):  # made anew meanwhile
                     yield _message_class(source, name, number)
 
     def service_class(self, name: str) -> type[ServiceType]:

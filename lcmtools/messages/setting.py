@@ -12,6 +12,7 @@ from contextlib import suppress
 from typing import TypeAlias
 
 from lcmtools.errors import ValueMismatch
+from lcmtools.formats.strict_yaml import QuotedText, read_documents
 from lcmtools.messages.fill import Value
 from lcmtools.messages.scalars import Misfit, Scalar, from_python, from_text, given
 from lcmtools.messages.shape import each
@@ -82,7 +83,8 @@ def text_of(value: Value, kind: str) -> str:
     if isinstance(value, bytes):
         raise ValueMismatch("binary data is not a value that a parameter can have")
     if isinstance(value, str):
-        return write_setting(guessed(value) if kind in (ANY, LIST) else value)
+        is_open = kind in (ANY, LIST) and not isinstance(value, QuotedText)
+        return write_setting(guessed(value) if is_open else value)
     return write_setting(None)
 
 
@@ -125,7 +127,9 @@ def _elements(value: object, kind: str, scalar: Callable[[object, str], Scalar])
 def _scalar_of_text(value: object, kind: str) -> Scalar:
     if not isinstance(value, str):
         raise Misfit(f"expected {_EXPECTED[kind]}, got {given(value)}")
-    return guessed(value) if kind == ANY else from_text(value, _FIELD_TYPES[kind])
+    if kind == ANY:
+        return str(value) if isinstance(value, QuotedText) else guessed(value)
+    return from_text(value, _FIELD_TYPES[kind])
 
 
 def _scalar_of_python(value: object, kind: str) -> Scalar:
@@ -170,4 +174,7 @@ def _unquoted(text: str) -> str | None:
 def _parsed(text: str) -> Value:
     from lcmtools.messages.documents import parse_values  # not needed to start a node
 
-    return parse_values([text])
+    value = parse_values([text])
+    if isinstance(value, list) and not {*_QUOTES}.isdisjoint(text):
+        return next(node.plain() for node in read_documents(text) if node)
+    return value

@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:  # imported at the first look-up
+    from pathlib import Path
+
     from lcmtools.messages.type_source import TypeSource
 
 
@@ -15,6 +17,9 @@ class Supply(Protocol):
 
     def installed(self) -> "TypeSource | None":
         """Types for names that are otherwise unknown."""
+
+    def add_start(self, folder: "Path") -> None:
+        """Also search the workspace of another folder."""
 
     def recorded_names(self, fingerprint: int) -> "Sequence[str]":
         """Return the names under which logs have stored types with this fingerprint."""

@@ -113,7 +113,7 @@ class Context:
         network_watch.tell(self._warn)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
         # Not None while a recording is played to this program message by message.
-        self.lockstep = join_lockstep(bus, environment, self._all_callbacks)
+        self.lockstep = join_lockstep(bus, environment, self._all_callbacks, self.wake)
 
     def ok(self) -> bool:
         """Return whether nodes should go on."""

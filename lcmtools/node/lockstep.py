@@ -18,13 +18,20 @@ STEP, DONE = struct.Struct(">q"), struct.Struct(">qq")
 
 
 class Lockstep:
-    """The answers of a process; ``all_callbacks`` returns those of all its nodes."""
+    """The answers of a process; ``all_callbacks`` returns those of all its nodes.
+
+    ``wake`` wakes the threads that spin.
+    """
 
     def __init__(
-        self, bus: Bus, start: int, all_callbacks: Callable[[], Collection[Callbacks]]
+        self,
+        bus: Bus,
+        start: int,
+        all_callbacks: Callable[[], Collection[Callbacks]],
+        wake: Callable[[], None],
     ) -> None:
         self.start = start  # the time at the start [ns]
-        self._bus, self._all = bus, all_callbacks
+        self._bus, self._all, self._wake = bus, all_callbacks, wake
         self._number: int | None = None
         self._idle: set[Callbacks] = set()
         bus.subscribe(STEP_CHANNEL, self._receive)
@@ -35,9 +42,11 @@ class Lockstep:
         The last one of several threads that spin answers.
         """
         number, known = self._number, self._all()  # the step first: messages came before it
-        if number is None or any(one.ready for one in known):
+        if number is None:
             return
-        self._idle.update(idle)
+        self._idle.update(one for one in idle if not one.ready)
+        if any(one.ready for one in known):
+            return
         if self._idle.issuperset(one for one in known if one.spinning_thread is not None):
             self._number = None
             due = min((one.next_due() for one in known), default=NEVER)
@@ -46,12 +55,17 @@ class Lockstep:
     def _receive(self, payload: bytes, _time: int) -> None:
         self._idle = set()
         (self._number,) = STEP.unpack(payload)
+        if len({one.spinning_thread for one in self._all()}) > 1:
+            self._wake()  # also those that got no message
 
 
 def join_lockstep(
-    bus: Bus, environment: Mapping[str, str], all_callbacks: Callable[[], Collection[Callbacks]]
+    bus: Bus,
+    environment: Mapping[str, str],
+    all_callbacks: Callable[[], Collection[Callbacks]],
+    wake: Callable[[], None],
 ) -> Lockstep | None:
     """Return the answers of a process that a recording is played to; None if it runs as usual."""
     text = environment.get(LOCKSTEP, "")
     is_played_to = text.isascii() and text.isdigit()
-    return Lockstep(bus, int(text), all_callbacks) if is_played_to else None
+    return Lockstep(bus, int(text), all_callbacks, wake) if is_played_to else None

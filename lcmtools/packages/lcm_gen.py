@@ -1,13 +1,12 @@
 """lcm-gen, which comes with the lcm package: run on type files, for any of its languages.
 
-Belongs here: finding it, running it, the meaning of its errors. Must not know which types exist.
+Belongs here: finding it, running it, and what its code lacks. Must not know which types exist.
 """
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.util import find_spec
-from itertools import pairwise
 from keyword import kwlist
 from pathlib import Path
 
@@ -15,9 +14,11 @@ from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
 from lcmtools.packages.cpp_enums import enum_header
-from lcmtools.packages.lcm_parser import without_comments
+from lcmtools.packages.lcm_parser import LcmType, without_comments
+from lcmtools.packages.placed_type import file_types, parse_file
 from lcmtools.packages.python_code import as_portable_values
 from lcmtools.packages.ros_files import SUFFIXES, package_of, to_lcm
+from lcmtools.packages.type_files import LcmFile
 
 _OPTIONS = {
     "c": ("--c", "--c-cpath", "{}", "--c-hpath", "{}"),
@@ -57,16 +58,6 @@ _KEYWORDS = {
 
 _ROOM = 1 << 16  # [B]; if this much is free, no file was truncated
 _LONGEST = 30.0  # [s] for one file; usually it takes milliseconds
-_HINTS = {
-    "expected token {": "lcm-gen wants a space or a new line before '{'",
-    "expected token ;": "a ';' is missing before this",
-    "expected token }": "a '}' is missing, or lacks a space before it",
-    "missing struct token.": "a file is  package name;  and then  struct Name { ... }",
-}
-_ARRAY = re.compile(r"([A-Za-z_][\w.]*)\s+([A-Za-z_]\w*)\s*\[\s*\]", re.ASCII)
-_LENGTH = re.compile(
-    r"(?:Unknown variable array index|Array dimension) '(\w+)'(?:\. Index| must be an integer)"
-)
 
 
 def find_lcm_gen() -> str:
@@ -84,21 +75,13 @@ def find_lcm_gen() -> str:
     return program_on_path
 
 
-def run_lcm_gen(files: Sequence[Path], options: Sequence[str]) -> Problem | None:
-    """Run lcm-gen on files; return the first problem, None if all are correct.
-
-    Each of several files must name its package: lcm-gen applies it to the next file if not. The
-    problem's file is "" if lcm-gen does not say which one it is.
-    """
+def run_lcm_gen(file: Path, options: Sequence[str]) -> str:
+    """Run lcm-gen on a file; return the first line that it says against it, "" for nothing."""
     import subprocess
 
-    command, only = (
-        [find_lcm_gen(), *options, *map(str, files)],
-        files[0] if len(files) == 1 else "",
-    )
     try:
         done = subprocess.run(  # noqa: S603 - lcm-gen, with paths as arguments
-            command,
+            [find_lcm_gen(), *options, str(file)],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -108,8 +91,9 @@ def run_lcm_gen(files: Sequence[Path], options: Sequence[str]) -> Problem | None
             check=False,
         )
     except (subprocess.TimeoutExpired, OSError, ValueError) as error:
-        return Problem(str(only), 0, f"lcm-gen cannot read this: {error}")
-    return _problem(files, done.stdout) if done.returncode else None
+        return f"lcm-gen cannot read this: {error}"
+    lines = [line.strip() for line in done.stdout.splitlines() if line.strip()]
+    return (lines or ["lcm-gen rejects it without a reason"])[0] if done.returncode else ""
 
 
 def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Path]:
@@ -119,7 +103,7 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
     every liblcm from 1.3.1 on.
 
     Raises:
-        InvalidFile: lcm-gen refuses a file, or a name in it is a keyword of the language; then
+        InvalidFile: A file is wrong, or a name in it is a keyword of the language; then
             nothing is written.
         LcmtoolsError: The folder cannot be written.
         MissingExtra: There is no lcm-gen.
@@ -132,14 +116,18 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
             scratch.mkdir()
             options = [word.format(scratch) for word in _OPTIONS[language]]
             for file in files:
-                if is_ros := file.suffix in SUFFIXES:
-                    translated.write_text(to_lcm(file, file.read_bytes(), package_of(file)).text)
-                problem = run_lcm_gen([translated if is_ros else file], options)
-                problem = problem or _keyword(file, translated if is_ros else file, language)
-                if problem:
+                package = package_of(file) if file.suffix in SUFFIXES else ""
+                source = LcmFile(str(file), file.read_bytes(), package)
+                types = file_types(source, parse_file(source))
+                if package:
+                    translated.write_text(to_lcm(file, source.content, package).text)
+                lcm = translated if package else file
+                for problem in (*types.problems, *_keywords(file, lcm, language)):
                     raise problem.error()
-                if language == "cpp" and b"enum" in file.read_bytes():
-                    _write_enums(file, Path(name), scratch)
+                if fault := run_lcm_gen(lcm, options):
+                    raise Problem(str(file), 0, fault).error()
+                if language == "cpp":
+                    _write_enums((one.type for one in types.types), scratch)
             translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
@@ -150,25 +138,25 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
     return [folder / path for path in made]
 
 
-def _keyword(file: Path, lcm: Path, language: str) -> Problem | None:
-    """Return the first keyword of a language among the names in a file, whose text is ``lcm``."""
+def _keywords(file: Path, lcm: Path, language: str) -> Iterator[Problem]:
+    """Yield the keywords of a language among the names in a file, whose text is ``lcm``."""
     name, words = _KEYWORDS[language]
     pattern = re.compile(rf"\b({'|'.join(words)})\b")
     text = without_comments(lcm.read_bytes().decode("utf-8", "replace"))
-    if not (found := pattern.search(text)):
-        return None
-    line = text.count("\n", 0, found.start()) + 1
-    return Problem(str(file), line, f"'{found[0]}' is a keyword of {name}", "use another name")
+    for found in pattern.finditer(text):
+        line = text.count("\n", 0, found.start()) + 1
+        what = f"'{found[0]}' is a keyword of {name}"
+        yield Problem(str(file), line, what, "use another name")
 
 
-def _write_enums(file: Path, root: Path, folder: Path) -> None:
-    """Write the C++ of a file's enums into a folder, beside that of lcm-gen."""
-    run_lcm_gen([file], ["--python", "--python-no-init", "--ppath", str(root / "python")])
-    for module in (root / "python").rglob("*.py"):
-        path = module.relative_to(root / "python").with_suffix(".hpp")
-        if text := enum_header([*path.parent.parts], path.stem, module.read_text("utf-8")):
-            (folder / path).parent.mkdir(parents=True, exist_ok=True)
-            (folder / path).write_text(text, "utf-8")
+def _write_enums(types: Iterable[LcmType], folder: Path) -> None:
+    """Write the C++ of enums into a folder, beside that of lcm-gen."""
+    for one in types:
+        if one.values is not None:
+            *package, name = one.name.replace("/", ".").split(".")
+            path = folder.joinpath(*package, f"{name}.hpp")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(enum_header(package, name, one.values, one.number), "utf-8")
 
 
 def _copy(source: Path, target: Path) -> None:
@@ -189,29 +177,6 @@ def _write(target: Path, content: str | bytes) -> None:
     new = content.encode() if isinstance(content, str) else content
     if not target.is_file() or target.read_bytes() != new:
         write_whole(target, new)
-
-
-def _problem(files: Sequence[Path], output: str) -> Problem:
-    """Parse lcm-gen's error: a sentence, ``FILE : LINE``, and the line itself."""
-    known = set(map(str, files))
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    for number, (before, line) in enumerate(pairwise(lines), 2):
-        if (place := re.fullmatch(r"(.+) : (\d+)", line)) and place[1] in known:
-            hint = _hint(before, "".join(lines[number : number + 1]))
-            return Problem(place[1], int(place[2]), before.rstrip("."), hint)
-    what = lines[0] if lines else "lcm-gen rejects it without a reason"
-    return Problem(str(files[0]) if len(files) == 1 else "", 0, what)
-
-
-def _hint(fault: str, line: str) -> str:
-    """Return the remedy for an error of lcm-gen in a line of a file."""
-    if unknown := _LENGTH.match(fault):
-        return f"declare  int32_t {unknown[1]};  above the array"
-    if array := _ARRAY.search(line):
-        kind, name = array.groups()
-        length = f"{name}_length"
-        return f"declare its length:  int32_t {length};  {kind} {name}[{length}];"
-    return next((hint for start, hint in _HINTS.items() if fault.lower().startswith(start)), "")
 
 
 def _joined(new: Path, old: Path) -> str:

@@ -1,7 +1,7 @@
 """ROS packages near a folder: those with a package.xml, by name.
 
-They are searched in the folder and those above it, two levels deep, and in their ``src``: in a
-catkin or colcon workspace, and in a repository; then in noted workspaces and in ROS_PACKAGE_PATH.
+They are searched in the folder and those above it, two levels deep, and four in their ``src``: in
+a catkin or colcon workspace, and in a repository; then in noted workspaces and in ROS_PACKAGE_PATH.
 Other users' packages are never used.
 """
 
@@ -18,6 +18,7 @@ from lcmtools.packages.workspace import is_meant, subfolders, text_of_own
 _NAME = re.compile(r"<name>\s*([\w-]+)\s*</name>", re.ASCII)
 _ENDS = frozenset(("package.xml", "CATKIN_IGNORE", "rospack_nosubdirs"))
 _MOST_LEVELS = 16
+_DEEPEST = 4  # folders below src
 _MOST_FOLDERS = 2000  # at each level
 
 
@@ -71,9 +72,12 @@ def _packages_at(level: Path) -> dict[str, Path]:
 
 
 def _candidates(level: Path) -> Iterator[Path]:
+    """Yield the folders near a level, the nearest first: none in a package."""
     yield level
-    for place in (level, level / "src"):
-        children = sorted(subfolders(place))
-        yield from children
-        for child in children:
-            yield from sorted(subfolders(child))
+    for place, depth in ((level, 2), (level / "src", _DEEPEST)):
+        folders = [place]
+        for _ in range(depth):
+            outside = (one for one in folders if one == place or not ros_name(one))
+            below = (child for one in outside for child in sorted(subfolders(one)))
+            folders = [*islice(below, _MOST_FOLDERS)]
+            yield from folders

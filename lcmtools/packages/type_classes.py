@@ -27,7 +27,9 @@ from lcmtools.messages.enums import enum_class
 from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.registry import Message, default_registry, fingerprint, type_name
 from lcmtools.messages.rows import Cursor
+from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import SHIPPED, TypeSource, shown
+from lcmtools.packages import provide_user_types
 from lcmtools.packages.lcm_parser import LcmField, LcmType
 from lcmtools.packages.type_set import UsableType
 
@@ -250,13 +252,13 @@ def find_class(name: str, number: int, file: str) -> type[Message]:
 
     UnknownType is raised if there is no such type, or only one with another fingerprint.
     """
-    from lcmtools.packages.user_types import user_types
-
-    types = user_types()
+    if not has_supply():
+        provide_user_types()
+    types = current_supply()
     with suppress(UnknownType):
         if fingerprint(cls := _any_class(name, number)) == number:
             return cls
-    if file and Path(file).exists():
+    if types and file and Path(file).exists():
         types.add_start(Path(file).parent)
     if fingerprint(cls := _any_class(name, number)) != number:
         raise UnknownType(f"{name} has changed since it was pickled")

@@ -224,8 +224,12 @@ def source_file(kind: type[Message]) -> str:
 
 def source_text(kind: type[Message]) -> str:
     """Return the content of a message type's file, as its author wrote it."""
-    file = source_file(kind)
-    what = f"cannot read {file}, which defines {type_name(kind)}"
+    return read_source(source_file(kind), type_name(kind))
+
+
+def read_source(file: str, name: str) -> str:
+    """Return the content of the file that defines a type."""
+    what = f"cannot read {file}, which defines {name}"
     return read_text(Path(file), what=what, kind=LcmtoolsError).strip()
 
 

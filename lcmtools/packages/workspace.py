@@ -3,8 +3,8 @@
 Of ROS packages next to them, which have a package.xml, only the types are used.
 
 The workspace is the nearest folder, from the current one upwards, that contains packages, directly
-or in ``src``. Packages of noted workspaces come last. Other users' folders are never used. Must
-not know nodes or messages.
+or, up to two folders deep, in ``src``. Packages of noted workspaces come last. Other users' folders
+are never used. Must not know nodes or messages.
 """
 
 import os
@@ -134,7 +134,9 @@ def package_name(folder: Path) -> str:
 def _workspace(start: Path) -> list[Path]:
     """Return the packages of the workspace around a folder."""
     for level in (start, *start.parents)[:_MOST_LEVELS]:
-        found = [*_children(level), *_children(level / "src")]
+        found = [*_children(level), *_below_src(level)]
+        if found and level.parent.name == "src":  # of a repository in a workspace
+            found = list(dict.fromkeys([*found, *_below_src(level.parent.parent)]))
         if found and is_meant(level, start, found):
             return found
         if _is_package(level) and level not in _children(level.parent):  # too many are next to it
@@ -146,7 +148,7 @@ def packages_in(folder: Path) -> list[Path]:
     """Return the packages of a workspace, which may be a single one."""
     if _is_package(folder):
         return [folder]
-    return [*_children(folder), *_children(folder / "src")]
+    return [*_children(folder), *_below_src(folder)]
 
 
 def is_meant(level: Path, start: Path, found: list[Path]) -> bool:
@@ -165,6 +167,13 @@ def _is_shared(folder: Path) -> bool:
 def _children(folder: Path) -> list[Path]:
     """Return the packages in a folder."""
     return sorted(path for path in subfolders(folder) if _is_package(path))
+
+
+def _below_src(folder: Path) -> list[Path]:
+    """Return the packages in a workspace's src, and in the folders there, such as repositories."""
+    places = sorted(subfolders(folder / "src"))
+    inner = [one for place in places if not _is_package(place) for one in _children(place)]
+    return [*filter(_is_package, places), *inner]
 
 
 def subfolders(folder: Path) -> Iterator[Path]:

@@ -32,6 +32,7 @@ from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.announcing import heard_of_programs
 from lcmtools.relay.bulk_connection import BULK_BYTES
 from lcmtools.relay.fair_queue import LATE, FairQueue
+from lcmtools.text_table import plural
 from lcmtools.wire import tcpq
 from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
 from lcmtools.wire.packet import Packet, Sender
@@ -366,7 +367,9 @@ class Hub(AbstractContextManager["Hub"]):
             key = (client.name.rpartition(":")[0], reason[:_SAME])
             self._say(*key, f"closed {client.name}: {reason}")
         if client.dropped:
-            self._notify(f"{client.name} lost {client.dropped} messages by reading too slowly")
+            self._notify(
+                f"{client.name} lost {plural(client.dropped, 'message')} by reading too slowly"
+            )
 
     def _say(self, who: str, what: str, text: str) -> None:
         """Notify once about each client's fault: a broken client tries again and again."""

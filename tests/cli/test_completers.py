@@ -8,8 +8,9 @@ import pytest
 from lcmtools.cli.completion.tree import Argument, Option, describe
 
 NOT_KNOWN = {
-    "bag filter expression",
+    "bag filter words",
     "bag rename names",
+    "bag rerun program",
     "msg find-field name",
     "pkg add-node name",
     "pkg create name",
@@ -20,6 +21,8 @@ NOT_KNOWN = {
     "sim spawn robot",
     "sim spawn words",
     "sim step steps",
+    "tf echo source",
+    "tf echo target",
 }
 """Arguments, and options with such a name, that may be any word."""
 KNOWN_OPTIONS = {"fields", "file", "lcm_url", "node", "ns", "output", "remap", "topics"}

@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import shlex
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
@@ -282,7 +283,9 @@ def test_ctrl_z_stops_the_robot_before_it_suspends_the_server(
     module_bus_url: str,
     commands: Callable[[], Twist],
 ) -> None:
-    command = f"{lcmtools_path} gui steer {TOPIC} --port 0 --no-open & echo pid $!; wait"
+    command = (
+        f"{shlex.quote(lcmtools_path)} gui steer {TOPIC} --port 0 --no-open & echo pid $!; wait"
+    )
     shell = module_start(
         "bash", "-c", f"set -m; {command}"
     )  # a job of a shell, which alone can be suspended

@@ -115,7 +115,7 @@ def test_nodes_answer_a_ping_from_the_other_computer(ada: Any, bob: Any) -> None
         (["echo", "/chatter", "-n", "1"], 'data: "hello world '),
         (["hz", "/odom", "-n", "1"], "average rate: "),
         (["bw", "/odom", "-n", "1"], "average: "),
-        (["delay", "/odom", "-n", "1"], "average delay: 0.0"),
+        (["delay", "/odom", "-n", "1"], "average delay: "),
     ],
 )
 def test_messages_are_shown_and_measured(bob: Any, command: list[str], shows: str) -> None:

@@ -17,6 +17,7 @@ from fixtures.says import assert_says
 import lcmtools.bag
 from lcmtools import Node
 from lcmtools.bag.writer import LogWriter
+from lcmtools.errors import UsageError
 from lcmtools.packages.cpp import compiler_flags
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.processes.reaper import is_gone
@@ -191,11 +192,20 @@ def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_
     assert (topic(report)["recorded"], topic(report)["matched"]) == (1, 1)
 
 
-def test_a_thread_that_publishes_by_itself_is_played_to_in_real_time(rerun: Rerun) -> None:
-    code, report = rerun("thread")
-    assert code == 0
-    assert report["real_time"] == "it published /chatter without a message or a timer"
-    assert (report["lateness"] >= 0, topic(report)["matched"]) == (True, _COUNT)
+@pytest.mark.parametrize(
+    ("word", "code", "reason"),
+    [
+        ("thread", 0, "it published /chatter without a message or a timer"),
+        ("loop", 1, "it publishes without waiting for messages (lcmtools.spin)"),
+    ],
+)
+def test_a_program_that_publishes_by_itself_is_played_to_in_real_time(
+    rerun: Rerun, word: str, code: int, reason: str
+) -> None:
+    found, report = rerun(word)
+    assert (found, report["real_time"]) == (code, reason)
+    assert report["lateness"] >= 0
+    assert topic(report)["matched"] == (_COUNT if word == "thread" else 0)
 
 
 def test_a_plain_c_program_is_played_to_in_real_time(tmp_path: Path, cli: Cli) -> None:
@@ -377,8 +387,12 @@ def test_a_log_that_cannot_be_used_is_refused(log: str, tmp_path: Path, cli: Cli
     (tmp_path / "empty.lcmlog").touch()
     program = ("--", sys.executable, str(_NODE))
     assert_says(cli("bag", "rerun", str(tmp_path / "empty.lcmlog"), *program).err, "it is empty")
-    done = cli("bag", "rerun", log)
-    assert (done.code, "the program is missing" in done.err) == (2, True)
+    done = cli("bag", "rerun", log, "--input", "/inn", *program)
+    assert_says(done.err, "there is no topic /inn in the log; did you mean /in?")
+    done = cli("bag", "rerun", log, "--", "./nothere")
+    assert_says(done.err, "cannot start ./nothere: No such file or directory")
+    with pytest.raises(UsageError):
+        lcmtools.bag.rerun(log, Float64)  # type: ignore[arg-type]
 
 
 def test_another_version_of_a_type_is_noted(rerun: Rerun, tmp_path: Path) -> None:

@@ -5,12 +5,14 @@ import socket
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fixtures.command import Result
 from fixtures.says import assert_says
+from fixtures.typist import Typist
 
 from lcmtools.bus import quick_probe
 from lcmtools.bus.multicast import sending_socket
@@ -294,3 +296,13 @@ def test_no_socket_stays_behind(ask_process: Ask, bus_url: str) -> None:
     ask_process("lcmtools echo /")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("", parse_url(bus_url).port))  # fails where anybody has it
+
+
+def test_on_a_terminal_it_says_how_it_is_installed_and_prints_no_script(
+    lcmtools_path: str,
+) -> None:
+    with closing(Typist(lcmtools_path, "completion", "bash")) as person:
+        assert person.end() == 0
+    shown = person.written.decode()
+    assert "type: lcmtools completion bash --install" in shown
+    assert "_lcmtools_completion" not in shown

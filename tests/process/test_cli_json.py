@@ -28,6 +28,8 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.std_msgs import Float64
 from lcmtools.types.std_srvs import Trigger
+from lcmtools.types.geometry_msgs import TransformStamped
+from lcmtools.types.tf2_msgs import TFMessage
 
 lcmtools.init()
 robot, driver = lcmtools.Node("robot"), lcmtools.Node("driver")
@@ -43,7 +45,9 @@ def fail(odometry):
 
 driver.create_subscription(Odometry, "odometry", fail)
 odometry, twist = robot.create_publisher(Odometry, "odometry"), robot.create_publisher(Twist, "cmd")
-gauge = robot.create_publisher(Float64, "gauge")
+gauge, frames = robot.create_publisher(Float64, "gauge"), robot.create_publisher(TFMessage, "tf")
+moved = TransformStamped(child_frame_id="base_link")
+moved.header.frame_id, moved.transform.rotation.w = "odom", 1.0
 nothing = Float64()
 nothing.data = math.nan
 
@@ -52,6 +56,7 @@ def tick():
     message.header.stamp.sec, message.header.stamp.nsec = divmod(robot.get_clock().now(), 10**9)
     odometry.publish(message)
     gauge.publish(nothing)
+    frames.publish(TFMessage(transforms=[moved]))
 
 robot.create_timer(0.02, tick)
 print("ready", flush=True)
@@ -114,6 +119,8 @@ LINES = [
     "type PLAIN",
     "find nav_msgs/Odometry",
     "spy --once -a",
+    "tf tree --wait 1s",
+    "tf echo odom base_link -n 2",
     "node list -a",
     "node info robot driver",
     "node info plain.py",

@@ -320,7 +320,7 @@ def test_launch_file_comes_from_a_pipe(cli: Run) -> None:
 def test_reader_that_has_had_enough_ends_it(lcmtools_path: str, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(nodes(shell("while echo line; do sleep 0.01; done", "n")))
     done = subprocess.run(
-        ["bash", "-c", f"{lcmtools_path} launch a.yaml | head -n 2; echo ${{PIPESTATUS[0]}}"],  # noqa: S607 - bash, wherever it is
+        ["bash", "-c", '"$0" launch a.yaml | head -n 2; echo ${PIPESTATUS[0]}', lcmtools_path],  # noqa: S607 - bash, wherever it is
         capture_output=True,
         text=True,
         timeout=40,

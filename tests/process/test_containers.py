@@ -1,6 +1,7 @@
 """A node in a container on the host's network: its pid is that of another process here."""
 
 import os
+import shlex
 import shutil
 import signal
 from collections.abc import Callable
@@ -22,7 +23,7 @@ def contained(start: Callable[..., Any], lcmtools_path: str, cli: Callable[..., 
     unshare = shutil.which("unshare")
     if not unshare or os.getuid() != 0:
         pytest.skip("pid namespaces need Linux and root")
-    program = ("sh", "-c", f"{lcmtools_path} run talker & wait")
+    program = ("sh", "-c", f"{shlex.quote(lcmtools_path)} run talker & wait")
     start(unshare, "-pf", "--kill-child", "--mount-proc", *program)
     while f":{_PID} \t/talker" not in cli("node", "list", "-a", "--wait", "0s").out:
         pass

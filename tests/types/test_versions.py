@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from lcmtools import message_class
+from lcmtools import message_class, to_dict
 from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import decode, encode
@@ -238,3 +238,21 @@ def test_json_of_both_names_both(family: Family, cli: Cli, log_of: Callable[...,
     (row,) = json.loads(cli("list", "-b", log, "--json").ok())
     assert row["types"] == ["rover/state_t@old/state_t.lcm"]
     assert row["other_senders"] == [None]
+
+
+def test_a_log_keeps_enums_that_have_files_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, family: Family
+) -> None:
+    for name, text in (
+        ("mode_t.lcm", "enum mode_t { IDLE=0, RUN=1 }"),
+        ("state_t.lcm", "struct state_t { mode_t mode; }"),
+    ):
+        (tmp_path / name).write_text(f"package lander;\n{text}\n")
+    monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
+    provide_user_types()
+    packet = Packet("A", encode(message_class("lander/state_t")(mode="RUN")), 0)
+    kept = recorded_types([packet], Decoder(lambda _: ()))
+    assert [one.path for one in kept] == ["lander/state_t.lcm", "lander/mode_t.lcm"]
+    family("near")
+    provide_recorded_types(kept)
+    assert to_dict(Decoder(lambda _: ()).decode(packet)) == {"mode": "RUN"}

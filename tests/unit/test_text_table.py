@@ -1,6 +1,6 @@
 """Tables of text: plain ones, and with the heading of rostopic hz."""
 
-from lcmtools.text_table import text_table
+from lcmtools.text_table import plural, text_table
 
 
 def test_columns_are_as_wide_as_they_need_and_no_line_ends_with_blanks() -> None:
@@ -21,3 +21,7 @@ def test_a_heading_is_centred_above_a_rule() -> None:
 def test_rows_below_a_heading_keep_their_cells() -> None:
     rows = [("/a", "10"), ("/longer", "2")]
     assert text_table(rows, ("topic", "window"))[2:] == ["/a        10", "/longer   2"]
+
+
+def test_one_thing_has_no_plural() -> None:
+    assert [plural(n, "line") for n in (0, 1, 2)] == ["0 lines", "1 line", "2 lines"]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from lcmtools.bag.contract import TopicTerms, read_contract
+from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.player import Player
 from lcmtools.bag.playlist import Choice, Played, Playlist
 from lcmtools.bag.rerunning.comparison import Compared, Tolerance, compare, part_of
@@ -109,6 +110,7 @@ class _Rerunner:
         self._window = time_window(playlist.span, start, end)
         self._decoder = Decoder(playlist.announced().types_of)
         self._tracks = {track.topic: track for track in playlist.tracks}
+        TopicChoice(manner.only).check(self._tracks)
         self._contract = None if manner.against is None else read_contract(manner.against)
 
     def result(self, log: str, program: Tested, notes: list[str]) -> Rerun:

@@ -13,6 +13,7 @@ from lcmtools.cli.output import progress, results_beside, write_result
 from lcmtools.errors import UsageError
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reports.describe import size_text
+from lcmtools.text_table import plural
 from lcmtools.wire.packet import Packet
 
 places = together(
@@ -89,7 +90,7 @@ def write(
         "bytes": size,
         **more(),
     }
-    rows = [f"{target}: {done.messages} messages, {size_text(size)}"]
+    rows = [f"{target}: {plural(done.messages, 'message')}, {size_text(size)}"]
     with results_beside(target):
         write_result(record, rows, as_json=as_json)
 

@@ -30,6 +30,7 @@ from lcmtools.errors import UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.text_table import plural
 from lcmtools.wire.packet import Packet
 
 
@@ -39,6 +40,7 @@ from lcmtools.wire.packet import Packet
     "bag export ride.lcmlog odometry.csv -t /husky0/odometry",
     "bag export ride.lcmlog scans.npz -t '/*/scan' -s 10s -e end-1m",
     "bag export ride.lcmlog ride_bag --format ros2",
+    "bag export ride.lcmlog pictures --format png -t /camera/image",
 )
 @places
 @option(
@@ -72,8 +74,9 @@ def export_(
 
     OUT's suffix gives the format: comma-separated values (.csv), JSON lines (.jsonl), NumPy arrays
     (.npz), Parquet (.parquet), MCAP with ROS's schemas (.mcap) or a ROS 1 bag (.bag). With --format
-    csv, parquet or ros2 and no suffix, OUT is a folder. Hidden topics are left out, unless -t names
-    them. The exit code is 1 if messages cannot be written, 2 if none can.
+    csv, parquet or ros2 and no suffix, OUT is a folder; png and jpeg write each image to a file in
+    it. Hidden topics are left out, unless -t names them. The exit code is 1 if messages cannot be
+    written, 2 if none can.
     """
     meant = format_of(Path(target), format_)
     with stamps.by_stamp([source], wanted=by_stamp) as (path,), LogFile(path) as log:
@@ -96,7 +99,7 @@ def export_(
         write_note(text)
     record = {"path": target, "messages": done.messages, "left_out": [*done.left_out.values()]}
     with results_beside(target):
-        write_result(record, [f"{target}: {done.messages} messages"], as_json=as_json)
+        write_result(record, [f"{target}: {plural(done.messages, 'message')}"], as_json=as_json)
     return 1 if done.left_out else 0
 
 

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from lcmtools.bag.recorder import BagRecorder, Progress
-from lcmtools.bag.recording_words import counted, summary
+from lcmtools.bag.recording_words import summary
 from lcmtools.bag.series import LogSeries
 from lcmtools.cli.bus import notify
 from lcmtools.cli.output import results_beside, write_document
@@ -17,6 +17,7 @@ from lcmtools.node.node import Node
 from lcmtools.node.spinning import spin_once
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.terminal import Terminal, TerminalKeys, is_terminal
+from lcmtools.text_table import plural
 
 _TURN = 0.1  # [s] between looks at keys and requests
 _PAUSE, _SAVE, _END = " ", "s", "q"
@@ -88,11 +89,11 @@ def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
 
 def _status(progress: Progress, rates: Sequence[float], series: LogSeries) -> str:
     parts = [
-        f"{counted(progress.messages)}, {rates[0]:.0f}/s",
+        f"{plural(progress.messages, 'message')}, {rates[0]:.0f}/s",
         f"{size_text(progress.bytes)}, {size_text(rates[1])}/s",
     ]
     if not progress.is_writing:
-        kept = f"{counted(progress.kept_messages)}, {size_text(progress.kept_bytes)}"
+        kept = f"{plural(progress.kept_messages, 'message')}, {size_text(progress.kept_bytes)}"
         parts = [f"keeping {kept} (s saves)", *([parts[0]] if progress.messages else [])]
     if progress.is_paused:
         parts.insert(0, "paused (space resumes)")

@@ -1,6 +1,7 @@
 """``lcmtools completion``."""
 
 import os
+import sys
 
 from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.cli.declare import argument, examples, flag, subcommand
@@ -16,8 +17,8 @@ from lcmtools.errors import UsageError
 def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
     """Complete commands, topics, types, fields, messages and more with the TAB key.
 
-    Prints the completion script; --install puts it where the shell finds it. Without an argument
-    the shell is that in SHELL.
+    --install puts the completion script where the shell finds it; without it, the script is printed
+    into a file or a pipe. Without an argument the shell is that in SHELL.
     """
     if is_install and is_uninstall:
         raise UsageError("--install and --uninstall exclude each other", "use one of them")
@@ -31,5 +32,8 @@ def command(shell: str | None, *, is_install: bool, is_uninstall: bool) -> None:
         for done in install(name, wanted):
             write_note(done)
         write_note(f"start a new shell, or type: {wanted.restart}")
+    elif sys.stdout.isatty():
+        write_note(f"nothing is installed yet; type: lcmtools completion {name} --install")
+        write_note(f"or use the script in another place: lcmtools completion {name} > FILE")
     else:
         write_data(script(name).rstrip("\n"))

@@ -11,6 +11,7 @@ from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.errors import UsageError
 from lcmtools.graph.model import Node
 from lcmtools.observe.node_requests import NodeEnd, end_nodes, node_to_end, nodes_to_end
+from lcmtools.text_table import plural
 
 
 @subcommand("kill", json_option, asking_options)
@@ -53,7 +54,7 @@ def command(
 
 def _confirmed(nodes: list[Node]) -> list[Node]:
     if not sys.stdin.isatty():
-        what = f"--all would kill {len(nodes)} nodes and needs confirmation"
+        what = f"--all would kill {plural(len(nodes), 'node')} and needs confirmation"
         raise UsageError(what, "add --yes")
     write_note("This kills all nodes:")
     for node in nodes:

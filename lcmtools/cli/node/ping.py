@@ -14,6 +14,7 @@ from lcmtools.observe.node_requests import ping, pings
 from lcmtools.observe.reading.find import find_node
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reports.node_report import ping_reply, ping_summary
+from lcmtools.text_table import plural
 
 
 @subcommand("ping", timeout_option(3.0), json_option, asking_options)
@@ -86,7 +87,10 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
             write_document([{"node": one.name, "time": seconds} for one, seconds in pairs])
         elif nodes:
             write_lines(
-                [f"{len(answered)} of {len(nodes)} nodes answered", *ping_summary(answered)]
+                [
+                    f"{len(answered)} of {plural(len(nodes), 'node')} answered",
+                    *ping_summary(answered),
+                ]
             )
     return 0 if len(answered) == len(nodes) else NothingReceived.exit_code
 

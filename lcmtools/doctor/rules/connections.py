@@ -34,8 +34,8 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
     """Every subscription has a publisher.
 
     One without is often in another namespace, has a slightly different name, or its publisher was
-    not started. A note if a program that is not a node may publish it rarely, and it has not come
-    repeatedly before.
+    not started. A note if it has not come repeatedly before, and a program that is not a node may
+    publish it rarely, or only a simulator waits, and nothing that is published may be meant for it.
     """
     # other rules report topics of other buses, and of publishers that hang
     others = missed_on_other_buses(evidence) | evidence.stale_published
@@ -50,8 +50,21 @@ def subscriptions_have_publishers(evidence: Evidence) -> Iterator[Finding]:
         facts += [state("may-publish", process=one) for one in quiet]
         # what came often before has lost its publisher
         is_lost = any(end.messages >= connecting.FEWEST for _, end in unconnected)
-        severity = Severity.NOTE if quiet and not is_lost else severity
+        is_seldom = quiet or _waits_for_commands(evidence, unconnected)
+        severity = Severity.NOTE if is_seldom and not is_lost else severity
     return finding("unconnected-subscriptions", facts, *remedies, severity=severity)
+
+
+def _waits_for_commands(evidence: Evidence, unconnected: Iterable[connecting.End]) -> bool:
+    """Return whether only simulators wait, and nobody publishes such commands to nobody."""
+    simulators = simulator_ids(evidence)
+    outputs = connecting.unconnected_ends(evidence.graph, Role.PUBLISHER, of_tools=True)
+    given = {
+        number for node, end in outputs if node.id not in simulators for number in end.fingerprints
+    }
+    return all(
+        node.id in simulators and given.isdisjoint(end.fingerprints) for node, end in unconnected
+    )
 
 
 @rule(

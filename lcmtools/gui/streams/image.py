@@ -4,6 +4,7 @@ import math
 import struct
 import threading
 import time
+from typing import cast
 
 from lcmtools.errors import DecodeError
 from lcmtools.gui.protocol import Json, Parameters
@@ -13,6 +14,7 @@ from lcmtools.messages.pixels import (
     COLOR_MAPS,
     MOST_PIXELS,
     Kind,
+    as_file,
     check_size,
     image_file,
     read_pixels,
@@ -81,10 +83,9 @@ class NewestImage(PageStream):
 
     def _read(self, packet: Packet) -> Update:
         message = self.source.decode(packet)
-        if isinstance(message, Image):
-            return _raw(message, self._pixels)
-        if isinstance(message, CompressedImage):
-            return _file(message)
+        if isinstance(message, (Image, CompressedImage)):
+            file = as_file(message)
+            return _file(file) if file else _raw(cast("Image", message), self._pixels)
         rows = self.source.latest.rows
         named = [row.channel for row in rows if not TYPES.isdisjoint(row.types)]
         hint = f"images are on {', '.join(named[:_MOST_NAMED])}" if named else "no topic has any"

@@ -6,6 +6,28 @@ from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.observe.channels.channel_report import record
+from lcmtools.observe.channels.feed import Snapshot
+from lcmtools.observe.channels.rows import ChannelRow
+from lcmtools.observe.simulators import simulators
+
+
+def newest_simulator(latest: Snapshot) -> int:
+    """Return when the newest simulator was started [ns since 1970]; 0 without one."""
+    return max((one.start_time for one in simulators(latest.graph)), default=0)
+
+
+def current_rows(latest: Snapshot) -> list[ChannelRow]:
+    """Return all topics but those that were left by a simulator before the present one."""
+    began, graph = newest_simulator(latest), latest.graph
+    return [
+        row
+        for row in latest.rows
+        if row.age is None
+        or not began
+        or graph.time - row.age * 1e9 > began
+        or row.listeners
+        or any(not node.stale for node, _ in graph.topic(row.channel).publishers)
+    ]
 
 
 class Topics(PageStream):
@@ -22,7 +44,10 @@ class Topics(PageStream):
         """Return the current rows."""
         latest = self.source.latest
         data: dict[str, Json] = {
-            "rows": [cast("Json", {**record(row), "silent": row.is_silent}) for row in latest.rows],
+            "rows": [
+                cast("Json", {**record(row), "silent": row.is_silent})
+                for row in current_rows(latest)
+            ],
             "programs": latest.plain_listeners,
             "errors": latest.callback_errors,
         }

@@ -14,6 +14,7 @@ from lcmtools.gui.drawings import DRAWINGS, Malformed, MarkerScene, Poses, drawi
 from lcmtools.gui.protocol import Json, Parameters
 from lcmtools.gui.source import Source, absence, age_text
 from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.streams.topics import current_rows, newest_simulator
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow
@@ -35,7 +36,7 @@ class Drawable(PageStream):
     def update(self) -> Update:
         """Return the current ones."""
         latest, kinds = self.source.latest, drawing_kinds()
-        typed = [(row, row.types[0]) for row in latest.rows if row.types]
+        typed = [(row, row.types[0]) for row in current_rows(latest) if row.types]
         # frames have ages of their own, because several programs publish on one topic
         topics: list[Json] = [
             {"topic": row.channel, "type": name, "kind": kinds[name]}
@@ -120,7 +121,10 @@ class Frames(_Messages):
         before = self._old
         if self.source.latest is not self._seen or (found and self._old):
             self._seen = self.source.latest
-            self._old = self._old_frames(self._seen)
+            began, heard = newest_simulator(self._seen), self._poses.heard
+            old = self._old_frames(self._seen)
+            self._poses.forget([name for name in old if heard[name].time < began])
+            self._old = [name for name in old if name in heard]
         return self._poses.drawing(self._old) if found or self._old != before else None
 
     def problem(self) -> str:

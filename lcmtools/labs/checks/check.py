@@ -14,6 +14,7 @@ from lcmtools.labs.checks.observations import Observations, last_failure, last_w
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
 from lcmtools.packages.cmake import built_source
+from lcmtools.text_table import plural
 
 Check = Callable[[TestBench, Sequence[str]], Iterator[CheckResult]]
 
@@ -100,7 +101,7 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
         what, wanted = "callbacks return at once", "well below 0.1 s"
         yield CheckResult(what, wanted, "they do not", is_ok=False, hint=slow.text, cause=slow.key)
     if is_ok and (look := bench.observe().look) and look.findings:
-        found = "1 finding" if len(look.findings) == 1 else f"{len(look.findings)} findings"
+        found = plural(len(look.findings), "finding")
         row = CheckResult("what wtf says about it", "nothing", found, is_ok=True)
         yield replace(row, findings=tuple(look.findings))
     yield program.check_ctrl_c(may_have_ended=run.program.may_end)

@@ -11,7 +11,7 @@ from lcmtools.labs.checks.diagnosis import UNLIKE
 from lcmtools.labs.checks.measures import GOOD, explained
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
-from lcmtools.labs.nodes.picture.pixels import Picture, read_file, read_picture
+from lcmtools.messages.pictures import Picture, read_file, read_picture
 from lcmtools.messages.pixels import Kind
 from lcmtools.types.sensor_msgs import Image
 

@@ -1,5 +1,7 @@
 """``lcmtools lab list``, ``start`` and ``skeleton``."""
 
+from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
@@ -8,10 +10,13 @@ from lcmtools.cli.bus import open_monitor
 from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import write_note, write_result
-from lcmtools.errors import LcmtoolsError, UsageError
+from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError, extra_hint
 from lcmtools.labs.catalogue import LABS, Lab, find_lab
 from lcmtools.labs.skeletons import CPP_NAMES, NAMES, copy_skeleton
 from lcmtools.text_table import text_table
+
+_MODULES = {"sim": ("numpy", "PIL", "pybullet mujoco"), "web": ("websockets",)}
+"""The modules of each extra; of those in one text, one is enough."""
 
 
 @subcommand("list", json_option)
@@ -50,6 +55,7 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...], *, opens_vi
     from lcmtools.cli import run
 
     lab = find_lab(name)
+    _require_extras(["sim", "web"] if opens_view else ["sim"])
     with open_monitor("lab_start") as monitor:
         nodes = {node.name for node in monitor.settle(foreign=False).nodes if not node.stale}
     if lab.simulator in nodes:
@@ -65,6 +71,20 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...], *, opens_vi
     words = ("sim", "--world", lab.world, *(["--view"] if opens_view else []), *arguments)
     own = {"name": "lcmtools", "arguments": words}
     return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
+
+
+def _require_extras(extras: Sequence[str]) -> None:
+    """Raise MissingExtra that names all of these extras that are not installed."""
+    missing = [extra for extra in extras if not all(map(_is_installed, _MODULES[extra]))]
+    if missing:
+        names = " and ".join(f"'{extra}'" for extra in missing)
+        what = f"lab start needs the extra{'s' * (len(missing) > 1)} {names}"
+        hint = "; --no-view starts the simulator alone" if missing == ["web"] else ""
+        raise MissingExtra(what, extra_hint(",".join(missing)) + hint)
+
+
+def _is_installed(modules: str) -> bool:
+    return any(find_spec(module) for module in modules.split())
 
 
 @subcommand("skeleton", json_option)

@@ -1,13 +1,14 @@
 """Reports of rates, bandwidths and delays: as text, in the words of rostopic, and for JSON."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from lcmtools.observe.measuring.rates import Bandwidth, Statistics
 from lcmtools.text_table import text_table
 
 _KILO = 1e3
+_SMALL = 1e-3  # [s], below which a delay is in microseconds
 _SPREAD = "\n\tmin: {:.3f}s max: {:.3f}s std dev: {:.5f}s window: {}"
 
 
@@ -44,6 +45,17 @@ def _seconds(value: Statistics) -> list[str]:
     return [*(f"{number:.4}" for number in numbers), str(value.window)]
 
 
+def _delays(value: Statistics) -> list[str]:
+    """Average, shortest, longest and deviation in seconds, or in microseconds if all are small."""
+    numbers = (value.mean, value.shortest, value.longest, value.deviation)
+    if max(map(abs, numbers)) < _SMALL:
+        first, *others = (f"{number * 1e6:.0f}" for number in numbers)
+        return [f"{first} us", *(f"{other}us" for other in others), str(value.window)]
+    mean, low, high, deviation = numbers
+    texts = (f"{mean:.3f}", f"{low:.3f}s", f"{high:.3f}s", f"{deviation:.5f}s")
+    return [*texts, str(value.window)]
+
+
 def _bytes(value: Bandwidth) -> list[str]:
     """Average, mean, smallest and largest, all in the average's unit."""
     sizes = ((1.0, "B"), (_KILO, "KB"), (_KILO**2, "MB"))
@@ -63,7 +75,11 @@ def _statistics_form(name: str, of: str) -> ReportForm:
 
 
 RATE = _statistics_form("rate", "delta")
-DELAY = _statistics_form("delay", "delay")
+DELAY = replace(
+    _statistics_form("delay", "delay"),
+    text="average delay: {}\n\tmin: {} max: {} std dev: {} window: {}",
+    fields=_delays,
+)
 BANDWIDTH = ReportForm(
     ("bytes_per_second", "mean_bytes", "min_bytes", "max_bytes", "window"),
     ("average", "mean", "min", "max", "window"),

@@ -24,6 +24,7 @@ from lcmtools.observe.reports.describe import (
 )
 from lcmtools.observe.reports.node_list_report import up_time
 from lcmtools.observe.reports.process_rows import percent, usage_rows
+from lcmtools.text_table import plural
 
 _TITLES = {
     Role.PUBLISHER: "Publications",
@@ -100,7 +101,7 @@ def _process(node: Node, now: int) -> list[str]:
         if node.has_details:
             rows.append(f"In callbacks: {percent(node.busy / 1e9, seconds)} of that time")
     if node.overflows:
-        rows.append(f"Receive buffer: lost at most {node.overflows} datagrams")
+        rows.append(f"Receive buffer: lost at most {plural(node.overflows, 'datagram')}")
     rows += _version(node)
     errors = [f" * {printable(text)}" for text in callback_errors(node)]
     return [*rows, "Errors of callbacks:", *errors] if errors else rows

@@ -15,6 +15,7 @@ from lcmtools.observe.reports.describe import (
     types_record,
 )
 from lcmtools.observe.reports.process_rows import usage_rows
+from lcmtools.text_table import plural
 
 
 def listed_rows(program: Program) -> list[str]:
@@ -24,7 +25,7 @@ def listed_rows(program: Program) -> list[str]:
     parts = [f"publishes {', '.join(program.channels)}"] if program.channels else []
     if program.listens:
         lost = sum(row.drops for row in program.sockets)
-        parts.append(f"listens ({lost} datagrams dropped so far)" if lost else "listens")
+        parts.append(f"listens ({plural(lost, 'datagram')} dropped so far)" if lost else "listens")
     text = f"{program_place(program)} \t{command_text(program)}{user}{bus}"
     return [text, f"\t{', '.join(parts)}"]
 
@@ -49,7 +50,7 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
     sizes = receive_buffers() if program.sockets else {}
     found += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
-        f" {row.drops} datagrams dropped"
+        f" {plural(row.drops, 'datagram')} dropped"
         for row in program.sockets
     ]
     return [*found, f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]

@@ -26,6 +26,7 @@ NAMES: dict[str, object] = {
     "true": True,
     "false": False,
     "int": int,
+    "round": round,
     "float": float,
     "str": str,
     "arg": lambda name: typed(ARGUMENTS[name]),
@@ -62,6 +63,13 @@ NAMES: dict[str, object] = {
         "name == 'nan'",
         "int('12') + len(robot)",
         "count == 3 and speed < 2",
+        "2 ** 3",
+        "arg('count') ** 2 - 1",
+        "2 ** -1",
+        "2.0 ** 2",
+        "7 // 2",
+        "round(2.6)",
+        "round(2.65, 1)",
     ],
 )
 def test_value_is_that_of_python(text: str) -> None:

@@ -3,17 +3,18 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from textwrap import indent
 from xml.sax.saxutils import escape
 
 import pytest
 import yaml
 from fixtures.says import assert_says, raises_saying
 
-from lcmtools.errors import InvalidFile
+from lcmtools.errors import InvalidFile, ValueMismatch
 from lcmtools.launch.plan import Plan
 from lcmtools.launch.plan_report import PLAN_ANSWERS
 from lcmtools.messages.documents import parse_values
-from lcmtools.messages.setting import ANY, read_setting
+from lcmtools.messages.setting import ANY, read_setting, write_setting
 
 Make = Callable[..., Plan]
 
@@ -115,6 +116,40 @@ def test_types_of_a_parameter(plan: Make, kind: str, text: str, value: object) -
     tag = f'<param name="v" type="{kind}" value="{text}"/>'
     found = read_setting(parameters(plan(f"<launch>{NODE.format(tag)}</launch>"))["v"], ANY, "v")
     assert (type(found), found) == (type(value), value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[1, 2]", "{a: 1}", "a: b", "null", "~", "'quoted'", "#x", "- x", "yes", "[", "it's", "1 2"],
+)
+def test_a_value_without_a_type_is_a_number_a_truth_value_or_text(plan: Make, text: str) -> None:
+    tag = f'<param name="v" value="{escape(text)}"/>'
+    value = parameters(plan(f"<launch>{NODE.format(tag)}</launch>"))["v"]
+    assert read_setting(value, ANY, "v") == text
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("""["1", 'true', "null", '~', "1.5", 5]""", ["1", "true", "null", "~", "1.5", 5]),
+        ("""[ "a, b", 'it''s', "\\u0041", x]""", ["a, b", "it's", "A", "x"]),
+        ("""- "1"\n- 2""", ["1", 2]),
+        ("""- |\n  1\n- 2""", ["1\n", 2]),
+    ],
+)
+def test_text_in_quotes_stays_text_in_a_list(plan: Make, text: str, expected: list[object]) -> None:
+    value = parameters(plan(rosparam("v:\n" + indent(text, "  "))))["v"]
+    assert read_setting(value, ANY, "v") == expected
+    assert write_setting(expected) == value  # type: ignore[arg-type] # they are scalars
+
+
+@pytest.mark.parametrize("text", ["[[1, 2]]", "[{a: 1}]", "[1, ~]"])
+def test_a_value_that_a_node_cannot_hold_is_noted(plan: Make, text: str) -> None:
+    found = plan(rosparam(f"v: {text}\nw: [1, a]"))
+    (note,) = found.notes
+    assert_says(note, "parameter v", "a node cannot hold it, and goes without it")
+    with pytest.raises(ValueMismatch):
+        read_setting(parameters(found)["v"], ANY, "v")
 
 
 def test_yaml_of_a_parameter_may_be_a_mapping(plan: Make) -> None:

@@ -58,7 +58,7 @@ class Doubler(Node):
 
 
 def chatter(node: Node) -> None:
-    """Publish on a thread, by the computer's clock."""
+    """Publish by the computer's clock."""
     publisher = node.create_publisher(Float64, "chatter")
     while lcmtools.ok():
         publisher.publish(Float64(data=1.0))
@@ -66,11 +66,13 @@ def chatter(node: Node) -> None:
 
 
 def main() -> None:
-    """Run it until Ctrl-C; "thread" as an argument lets a thread publish."""
+    """Run it until Ctrl-C; arguments let a "thread" publish, or a "loop" that does not spin."""
     rest = lcmtools.init()
     node = Doubler()
     if "thread" in rest:
         threading.Thread(target=chatter, args=[node], daemon=True).start()
+    if "loop" in rest:
+        chatter(node)
     lcmtools.spin(node)
     lcmtools.shutdown()
 

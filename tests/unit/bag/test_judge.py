@@ -90,6 +90,17 @@ def test_terms_of_the_whole_log(capsys: Captured) -> None:
         ("topics:\n  /a:\n    min_rate: fast\n", "c.yaml:3: min_rate is not a number"),
         ("topics: 3\n", "c.yaml:1: not a mapping; write  topics:  and names below it"),
         ("others: maybe\n", "c.yaml:1: others must be true or false"),
+        (
+            "topics:\n  /a:\n    match: time\n",
+            "c.yaml:3: match must be stamp or order",
+        ),
+        (
+            "topics:\n  /a:\n    fields: {x: 5 %}\n",
+            (
+                "c.yaml:3: that is no tolerance for x; "
+                "write a number, a percentage such as 5%, angle or ignore"
+            ),
+        ),
     ],
 )
 def test_a_wrong_contract_is_refused(contract: str, error: str, capsys: Captured) -> None:

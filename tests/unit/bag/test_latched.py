@@ -137,6 +137,19 @@ def test_playing_from_a_time_a_seek_and_a_loop_begin_with_what_was_latched() -> 
         assert_says(*playlist.untold(), "plain.lcmlog does not tell what was latched")
 
 
+def test_what_was_latched_in_a_pause_of_a_recording_follows_it() -> None:
+    monitor: Any = SimpleNamespace(losses=dict, types_of=lambda _: ())
+    graph: Any = SimpleNamespace(topics=lambda: [SimpleNamespace(name="/map", is_latched=True)])
+    with ThreadPoolExecutor(1) as worker, LogWriter("paused.lcmlog") as writer:
+        notes = IndexNotes(monitor, worker)
+        notes.update(graph)
+        packets = [*_packets()]
+        notes.miss([one for one in packets if one.time < _START + 4 * _S])
+        notes.add([one for one in packets if one.time >= _START + 8 * _S], writer)
+        notes.add(packets[-1:], writer)
+    assert _texts("paused.lcmlog") == [(8.0, "map"), (8.0, "8"), (9.0, "9"), (9.0, "9")]
+
+
 def test_a_snapshot_begins_with_what_was_latched_before_it() -> None:
     monitor: Any = SimpleNamespace(losses=dict, types_of=lambda _: ())
     graph: Any = SimpleNamespace(topics=lambda: [SimpleNamespace(name="/map", is_latched=True)])
@@ -148,5 +161,5 @@ def test_a_snapshot_begins_with_what_was_latched_before_it() -> None:
             if packet.time < _START + 4 * _S:
                 notes.hold(ring.add([packet], packet.time))
         notes.begin(writer, time=ring.packets[0].time)
-        notes.add(ring.packets, writer)
+        notes.add(list(ring.packets), writer)
     assert _texts("snapshot.lcmlog") == [(2.0, "map"), (2.0, "2"), (3.0, "3")]

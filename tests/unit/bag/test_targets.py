@@ -154,7 +154,9 @@ def test_a_terminal_gets_no_binary_data() -> None:
 
 def test_a_folder_of_files_is_no_stream(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bag", "export", "in.lcmlog", "-", "--format", "ros2"]) == 2
-    assert_says(capsys.readouterr().err, "a bag of ROS 2 is a folder, which - cannot be; use mcap")
+    assert_says(
+        capsys.readouterr().err, "a bag of ROS 2 is a folder, which - cannot be; name a folder"
+    )
 
 
 def test_a_recording_goes_into_a_pipe(pipe: Callable[[], bytes], tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lcmtools.doctor.evidence import Evidence, Stream
+from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.renaming import NearNames, are_near
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.wire.packet import Sender
@@ -215,6 +216,38 @@ def test_others_go_by_the_names_of_a_simulator() -> None:
     assert remedies(morse, node("/robot/filter", Role.SUBSCRIBER, "/robot/odom")) == (
         "/robot/odometry is of the same type: start /robot/filter with odom:=odometry",
     )
+
+
+@pytest.mark.parametrize(
+    ("topic", "remedy"),
+    [
+        ("/robot/odometri", "start /robot/filter with odometri:=/robot/odometry"),
+        ("/robt/odometry", "start /robot/filter with /robt/odometry:=/robot/odometry"),
+    ],
+)
+def test_a_mistyped_name_is_corrected_in_the_program_and_not_in_the_simulator(
+    topic: str, remedy: str
+) -> None:
+    odometry = Endpoint("/robot/odometry", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
+    (said,) = remedies(simulator("/morse", odometry), node("/robot/filter", Role.SUBSCRIBER, topic))
+    assert said.endswith(remedy)
+
+
+@pytest.mark.parametrize(
+    ("others", "severity"),
+    [
+        ((), Severity.NOTE),
+        ((node("/mine", Role.PUBLISHER, "/speed"),), Severity.WARNING),
+        ((node("/mine", Role.SUBSCRIBER, "/image"),), Severity.WARNING),
+    ],
+)
+def test_a_robot_that_waits_for_its_first_command_is_no_warning(
+    others: tuple[Node, ...], severity: Severity
+) -> None:
+    command = Endpoint("/robot/command", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
+    evidence = Evidence("udpm://", graph=Graph((simulator("/morse", command), *others)))
+    found = {finding.rule: finding.severity for finding in judge(evidence)}
+    assert found["unconnected-subscriptions"] is severity
 
 
 def test_a_simulator_is_not_connected_with_another_one() -> None:

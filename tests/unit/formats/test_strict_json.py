@@ -55,7 +55,8 @@ PRIVATE = {
     "doctor/saved.py",
     "foxglove/schemas.py",
     "gui/protocol.py",
-    "gui/watchdog.py",  # between two processes
+    "gui/dead_man.py",  # between two processes
+    "gui/steering_process.py",  # likewise
     "launch/plan_report.py",
     "packages/cache.py",
     "wire/log_index.py",

@@ -33,7 +33,7 @@ from lcmtools.labs.checks.step_response import Step, StepRun, judge
 from lcmtools.labs.checks.teleop import check_teleop
 from lcmtools.labs.checks.viewer import check_viewer, picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
-from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.messages.pictures import Picture
 from lcmtools.messages.pixels import Kind
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image, LaserScan

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -162,10 +163,10 @@ def test_an_earlier_source_hides_a_type_of_the_same_name() -> None:
 class _Supply:
     """A user's own types; who asks for those of installed packages waits for a disk."""
 
-    def near(self) -> TypeSource:
+    def workspace(self) -> TypeSource:
         return TypeSource("lcmtools.types", {"my_msgs/Bump": 7}, ["my_srvs/Go"])
 
-    def far(self) -> TypeSource:
+    def installed(self) -> TypeSource:
         raise AssertionError("asked without need")
 
     def recorded_names(self, _: int) -> list[str]:
@@ -174,8 +175,11 @@ class _Supply:
     def recorded(self) -> list[TypeSource]:
         raise AssertionError("asked without need")
 
+    def add_start(self, _: Path) -> None:
+        raise AssertionError("asked without need")
 
-def test_a_type_that_is_near_is_found_without_looking_at_installed_packages(
+
+def test_a_type_of_the_workspace_is_found_without_looking_at_installed_packages(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("lcmtools.messages.registry._load", lambda prefix, name: (prefix, name))

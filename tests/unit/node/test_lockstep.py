@@ -85,8 +85,11 @@ def test_the_last_of_several_threads_that_spin_answers(node: Node, bus: FakeBus)
     other = Node("other", context=node.context)
     for number, one in enumerate((node, other), 1):
         one.callbacks.spinning_thread = number
+    other.create_subscription(Float64, "/in", lambda _: None)
+    bus.deliver("/in", encode(Float64()))
     step(bus, 1)
-    spin_once(node)
+    spin_once(node)  # it is idle while the other has work
+    spin_once(other)
     assert answers(bus) == []
     spin_once(other)
     assert answers(bus) == [(1, NEVER)]

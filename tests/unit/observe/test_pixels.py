@@ -5,7 +5,7 @@ import struct
 import pytest
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.pixels import Kind, PixelFormat, Pixels, image_file, read_pixels
+from lcmtools.messages.pixels import Kind, PixelFormat, Pixels, as_file, image_file, read_pixels
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 
@@ -28,6 +28,28 @@ def test_numbers_come_with_the_least_significant_byte_first() -> None:
     pixels = read_pixels(image("32FC1", 1, 1, struct.pack(">f", 1.5), is_bigendian=1))
     assert struct.unpack("<f", pixels.data) == (1.5,)
     assert pixels.format.unit == "m"
+
+
+@pytest.mark.parametrize(
+    ("encoding", "code", "numbers", "metres"),
+    [("16SC1", "h", (-250, 1500), (-0.25, 1.5)), ("64FC1", "d", (-0.25, 1.5), (-0.25, 1.5))],
+)
+@pytest.mark.parametrize("order", "<>")
+def test_wider_numbers_become_metres(
+    encoding: str, code: str, numbers: tuple[float, ...], metres: tuple[float, ...], order: str
+) -> None:
+    data = struct.pack(f"{order}2{code}", *numbers)
+    pixels = read_pixels(image(encoding, 2, 1, data, is_bigendian=int(order == ">")))
+    assert pixels.format == PixelFormat(Kind.DEPTH, "f")
+    assert struct.unpack("<2f", pixels.data) == metres
+
+
+@pytest.mark.parametrize("encoding", ["jpeg", "JPEG", "jpg", "png"])
+def test_an_image_may_hold_a_file(encoding: str) -> None:
+    file = as_file(image(encoding, 2, 1, b"a file"))
+    assert file is not None
+    assert (bytes(file.data), file.format) == (b"a file", encoding)
+    assert as_file(image("mono8", 1, 1, b"a")) is None
 
 
 def test_a_mosaic_of_colours_counts_as_grey() -> None:

@@ -10,7 +10,8 @@ from lcmtools.errors import DecodeError
 from lcmtools.messages.layout import stamp_reader
 from lcmtools.messages.message_time import MessageTime
 from lcmtools.observe.measuring.measure import Delays
-from lcmtools.observe.measuring.rates import BandwidthWindow, DelayWindow, RateWindow
+from lcmtools.observe.measuring.rate_report import DELAY
+from lcmtools.observe.measuring.rates import BandwidthWindow, DelayWindow, RateWindow, Statistics
 from lcmtools.observe.reading.arrivals import SelectedPacket
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
@@ -230,3 +231,15 @@ def test_a_window_that_is_cleared_begins_again() -> None:
     sizes.clear()
     delays.clear()
     assert (sizes.next_result(2 * _S), delays.next_result()) == (None, None)
+
+
+def test_small_delays_are_in_microseconds() -> None:
+    small, large = Statistics(1.2e-4, -3e-5, 3e-4, 5e-5, 9), Statistics(0.02, 1e-4, 0.03, 1e-3, 9)
+    assert DELAY.rows({"/a": small}) == [
+        "average delay: 120 us",
+        "\tmin: -30us max: 300us std dev: 50us window: 9",
+    ]
+    assert DELAY.rows({"/a": large}) == [
+        "average delay: 0.020",
+        "\tmin: 0.000s max: 0.030s std dev: 0.00100s window: 9",
+    ]

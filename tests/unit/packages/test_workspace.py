@@ -37,6 +37,18 @@ def test_workspace_is_found_from_everywhere_in_it(place: str, write: Write) -> N
     assert names(root / place) == (["b_c"] if place.startswith("ws/src") else ["a", "b_c"])
 
 
+@pytest.mark.parametrize("place", ["ws", "ws/src/repo/a", "ws/src/repo"])
+def test_packages_in_a_repository_in_src_are_found(place: str, write: Write) -> None:
+    root = write(
+        {
+            "ws/src/repo/a/pyproject.toml": PROJECT.format("a"),
+            "ws/src/b/pyproject.toml": PROJECT.format("b"),
+            "ws/src/b/inner/pyproject.toml": PROJECT.format("inner"),
+        }
+    )
+    assert names(root / place) == ["a", "b"]
+
+
 def test_outside_there_is_none(write: Write) -> None:
     root = write({"ws/a/pyproject.toml": PROJECT.format("a"), "else/where/x": ""})
     assert names(root / "else" / "where") == []

@@ -13,8 +13,9 @@ let count = 0;
  * @param {string} [options.placeholder]
  * @param {(text: string) => Promise<{value: string, detail?: string}[]>} options.suggest
  * @param {(value: string) => void} options.choose called with the entered text
+ * @param {boolean} [options.fills] choose the only candidate at first
  */
-export function choiceField({ label, value = "", placeholder = "", suggest, choose }) {
+export function choiceField({ label, value = "", placeholder = "", suggest, choose, fills = false }) {
   stylesheet("./choice.css");
   const list = element("datalist", { id: `choices-${count++}` });
   const input = element("input", {
@@ -33,6 +34,14 @@ export function choiceField({ label, value = "", placeholder = "", suggest, choo
   });
   input.value = value;
   let asked = 0;
+  if (!value && fills) fillIn();
+  /** Choose the only candidate, unless something was entered meanwhile. */
+  async function fillIn() {
+    const [only, other] = await suggest("").catch(() => []);
+    if (!only || other || input.value) return;
+    input.value = only.value;
+    choose(only.value);
+  }
   async function suggestNow() {
     const number = ++asked;
     /** @type {{value: string, detail?: string}[]} */

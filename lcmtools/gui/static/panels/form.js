@@ -91,6 +91,19 @@ export function onlyForCommanders(context, ...controls) {
 }
 
 /**
+ * Return the handlers of a form that is sent by its button or Ctrl-Enter, and not by Enter in an input.
+ * @param {HTMLButtonElement} sender
+ */
+export function sentBy(sender) {
+  return {
+    onsubmit: (/** @type {Event} */ event) => event.preventDefault(),
+    onkeydown: (/** @type {KeyboardEvent} */ event) => {
+      if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) sender.click();
+    },
+  };
+}
+
+/**
  * Write the result of an action.
  * @param {Element} target
  * @param {string} text

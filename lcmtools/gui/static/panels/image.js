@@ -48,6 +48,7 @@ export default class ImagePanel {
       placeholder: "/camera/image_raw",
       suggest: () => this.context.ask("topics", { kind: "image" }),
       choose: (topic) => this.choose(topic),
+      fills: true,
     });
     this.viewport = new Viewport({
       draw: (context) => context.drawImage(this.canvas, 0, 0, this.size.width, this.size.height),

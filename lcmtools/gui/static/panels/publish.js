@@ -2,7 +2,7 @@
 
 import { button, div, element, fill, set, write } from "../elements.js";
 import { mistakeText } from "../texts.js";
-import { MessageForm, onlyForCommanders, say } from "./form.js";
+import { MessageForm, onlyForCommanders, say, sentBy } from "./form.js";
 
 let forms = 0;
 
@@ -18,7 +18,8 @@ export class PublishForm {
     const list = `types-${++forms}`;
     /** @type {import("../connection.js").Stream | null} */
     this.stream = null;
-    this.topic = element("input", { "aria-label": "Topic", placeholder: "Topic", spellcheck: "false" });
+    const onchange = () => this.loadTopic();
+    this.topic = element("input", { "aria-label": "Topic", placeholder: "Topic", spellcheck: "false", onchange });
     this.topic.value = topic;
     const about = { "aria-label": "Type", placeholder: "Type", spellcheck: "false", list };
     this.type = element("input", { ...about, onchange: () => this.loadType() });
@@ -26,18 +27,14 @@ export class PublishForm {
     this.types = element("datalist", { id: list });
     this.form = new MessageForm(context);
     this.rate = element("input", { class: "rate", "aria-label": "Rate [Hz]", inputmode: "decimal", value: "10" });
-    this.once = element("button", { type: "submit", class: "primary" }, "Publish once");
+    this.once = button("Publish once", () => this.publish(), { class: "primary", title: "Ctrl-Enter" });
     this.repeat = button("Repeat", () => this.changeRepeat(), { "aria-pressed": "false" });
     const rights = onlyForCommanders(context, this.once, this.repeat);
     this.result = element("p", { class: "result", role: "status" });
-    const onsubmit = (/** @type {Event} */ event) => {
-      event.preventDefault();
-      this.publish();
-    };
     const rate = element("label", {}, "at ", this.rate, " Hz");
     this.element = element(
       "form",
-      { class: "publish", "aria-label": "Publish", onsubmit },
+      { class: "publish", "aria-label": "Publish", ...sentBy(this.once) },
       div("form-head", this.topic, this.type, this.types),
       this.form.element,
       div("form-foot", this.once, this.repeat, rate, rights, this.result),
@@ -50,6 +47,19 @@ export class PublishForm {
     /** @type {string[]} */
     const names = await this.context.ask("types").catch(() => []); // it can be typed without suggestions
     fill(this.types, names.map((name) => element("option", { value: name })));
+  }
+
+  /** Fill in the type of the topic, if that is known and none was entered. */
+  async loadTopic() {
+    /** @type {{value: string, detail: string}[]} */
+    const topics = await this.context.ask("topics", { kind: "any" }).catch(() => []);
+    const name = this.topic.value.trim();
+    const found = topics.find(({ value }) => value === name) ?? topics.find(({ value }) => value === `/${name}`);
+    if (!found) return;
+    this.topic.value = found.value;
+    if (this.type.value.trim() || !found.detail) return;
+    this.type.value = found.detail;
+    await this.loadType();
   }
 
   async loadType() {

@@ -1,9 +1,9 @@
 // The services of the nodes: a form that calls one, and its answer as a tree.
 
-import { div, element, fill, set, write } from "../elements.js";
+import { button, div, element, fill, set, write } from "../elements.js";
 import { mistakeText } from "../texts.js";
 import { nameList } from "./choice.js";
-import { MessageForm, onlyForCommanders, say } from "./form.js";
+import { MessageForm, onlyForCommanders, say, sentBy } from "./form.js";
 import { MessageTree } from "./message.js";
 
 /** The services panel. */
@@ -24,18 +24,14 @@ export default class Services {
     this.about = element("span", { class: "muted" });
     this.form = new MessageForm(context);
     this.deadline = element("input", { class: "rate", "aria-label": "Deadline [s]", inputmode: "decimal", value: "3" });
-    this.button = element("button", { type: "submit", class: "primary" }, "Call");
+    this.button = button("Call", () => this.call(), { class: "primary", title: "Ctrl-Enter" });
     const rights = onlyForCommanders(context, this.button);
     this.result = element("p", { class: "result", role: "status" });
     this.answer = element("section", { class: "detail", "aria-label": "Answer", hidden: true });
-    const onsubmit = (/** @type {Event} */ event) => {
-      event.preventDefault();
-      this.call();
-    };
     const wait = element("label", {}, "wait ", this.deadline, " s");
     const form = element(
       "form",
-      { class: "publish", "aria-label": "Call", onsubmit },
+      { class: "publish", "aria-label": "Call", ...sentBy(this.button) },
       div("tools", this.choice.element, this.about),
       this.form.element,
       div("form-foot", this.button, wait, rights, this.result),

@@ -57,7 +57,9 @@ export default class Steer {
       placeholder: "/robot/cmd_vel",
       suggest: () => this.context.ask("topics", { kind: "velocity" }),
       choose: (topic) => this.choose(topic),
+      fills: true,
     });
+    this.topicField = choice.input;
     this.knob = element("div", { class: "knob" });
     this.pad = element(
       "div",
@@ -211,7 +213,8 @@ export default class Steer {
     if (data.refused !== undefined) {
       this.refusal = data.refused;
       if (data.refused) this.context.announce(data.refused);
-    } else if (data.topic === this.topic) {
+    } else if (data.topic === this.topic || data.topic === `/${this.topic}`) {
+      this.topic = this.topicField.value = data.topic ?? ""; // a slash may have been missing
       this.state = data;
     }
     this.show();

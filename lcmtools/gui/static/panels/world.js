@@ -117,11 +117,20 @@ export default class World {
       "div",
       { class: "tools world-tools" },
       element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, this.toolButtons, this.goal),
-      this.fixedChoice,
       this.followChoice,
-      button("Reset view", () => this.camera?.reset(), { title: "Back to the initial view" }),
       button("Top", () => this.camera?.lookFromAbove(), { title: "Look from above" }),
       this.axesButton,
+      element(
+        "details",
+        { class: "world-more" },
+        element("summary", { title: "The fixed frame, and the initial view" }, "View …"),
+        element(
+          "div",
+          {},
+          element("label", {}, "Fixed frame ", this.fixedChoice),
+          button("Reset view", () => this.camera?.reset(), { title: "Back to the initial view" }),
+        ),
+      ),
       this.simulator.element,
       element("span", { class: "space" }),
       this.side,
@@ -272,6 +281,7 @@ export default class World {
       const pose = /** @type {Pose} */ (numbers.slice(7 * index, 7 * index + 7));
       hasMoved = this.frames.add(topic, parent, child, pose, now) || hasMoved;
     });
+    this.frames.keep(topic, data.frames.map(([, child]) => child));
     this.simulator.updateTime(topic, data.stamp);
     if (this.frames.frames.size !== before) this.offerFrames();
     return this.frames.setOld(topic, data.old) || hasMoved;

@@ -13,7 +13,7 @@ from lcmtools.gui.own_token import own_token
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import BusSource
 from lcmtools.labs.nodes.picture.display import Display
-from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.messages.pictures import Picture
 from lcmtools.observe.reading.monitor import BusMonitor
 
 with needing_extra("web", "pictures in the browser need"):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import PIL.Image
 
 from lcmtools.errors import UsageError
-from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.messages.pictures import Picture
 from lcmtools.messages.pixels import Color, Kind
 
 _NO_READING: Color = (0, 0, 0)

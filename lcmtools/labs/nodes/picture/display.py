@@ -13,7 +13,7 @@ from lcmtools import Node
 from lcmtools.folders import write_whole
 from lcmtools.formats.strict_json import write_json
 from lcmtools.labs.nodes.picture.colors import ColorOptions, colored, facts, sentence
-from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.messages.pictures import Picture
 from lcmtools.messages.pixels import Kind
 
 _NUMBER = re.compile(r"%(0?\d{0,2})[di]")

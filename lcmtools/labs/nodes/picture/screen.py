@@ -11,7 +11,7 @@ from lcmtools.color import stream_wants_color
 from lcmtools.labs.nodes.picture.blocks import blocks, terminal_colors
 from lcmtools.labs.nodes.picture.colors import ColoredPicture, ColorOptions, colored, mix
 from lcmtools.labs.nodes.picture.display import Display
-from lcmtools.labs.nodes.picture.pixels import Picture
+from lcmtools.messages.pictures import Picture
 from lcmtools.terminal import ESCAPE, Terminal, TerminalKeys, is_terminal
 
 _OTHER_SCREEN, _OWN_SCREEN = "\x1b[?1049h\x1b[2J", "\x1b[?1049l"

@@ -15,8 +15,8 @@ from lcmtools.labs.nodes.argument_parser import NodeParser, at_least, one_of, re
 from lcmtools.labs.nodes.ending import ended_by_signals
 from lcmtools.labs.nodes.picture.colors import ColorOptions
 from lcmtools.labs.nodes.picture.display import Display, LineDisplay
-from lcmtools.labs.nodes.picture.pixels import read_picture
 from lcmtools.labs.nodes.picture.screen import ScreenDisplay
+from lcmtools.messages.pictures import read_picture
 from lcmtools.messages.pixels import COLOR_MAPS
 from lcmtools.messages.registry import Message
 from lcmtools.terminal import is_terminal

@@ -20,9 +20,9 @@ from lcmtools.labs.nodes.picture.colors import (
     sentence,
 )
 from lcmtools.labs.nodes.picture.display import numbered, values_of
-from lcmtools.labs.nodes.picture.pixels import Picture, read_picture
 from lcmtools.labs.nodes.picture.screen import ScreenDisplay
 from lcmtools.labs.nodes.picture.viewer import choose_display, panel_settings, viewer_parser
+from lcmtools.messages.pictures import Picture, read_picture
 from lcmtools.messages.pixels import COLOR_MAPS
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 

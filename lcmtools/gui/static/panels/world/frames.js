@@ -88,6 +88,17 @@ export class Frames {
   }
 
   /**
+   * Drop the frames of a topic that it no longer has.
+   * @param {string} source
+   * @param {string[]} names
+   */
+  keep(source, names) {
+    for (const [name, frame] of this.frames) {
+      if (frame.source === source && !names.includes(name)) this.frames.delete(name);
+    }
+  }
+
+  /**
    * Override a frame's pose, as while it is dragged, until it is released (null).
    * @param {string} name
    * @param {Pose | null} pose in its parent

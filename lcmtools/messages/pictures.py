@@ -4,12 +4,13 @@ import warnings
 from array import array
 from dataclasses import dataclass
 from io import BytesIO
+from typing import cast
 
 import PIL.Image
 from PIL import UnidentifiedImageError
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.pixels import Kind, check_size, image_file, read_pixels
+from lcmtools.messages.pixels import Kind, as_file, check_size, image_file, read_pixels
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 _FARTHEST = 1e6  # [m]
@@ -59,9 +60,8 @@ def read_picture(message: Image | CompressedImage) -> Picture:
     Raises:
         DecodeError: It is broken, or of an encoding that cannot be shown.
     """
-    if isinstance(message, CompressedImage):
-        return read_file(image_file(message))
-    return _raw(message)
+    file = as_file(message)
+    return read_file(image_file(file)) if file else _raw(cast("Image", message))
 
 
 def read_file(data: bytes) -> Picture:
