@@ -14,7 +14,7 @@ from statistics import median
 import lcm
 from common import bus, child, every, isolate, parser, show
 
-from lcmtools.bus import tap as tap_module
+from lcmtools.bus import group_receiver
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.builder import GraphBuilder
@@ -62,7 +62,7 @@ def watch(connection: Connection, way: str) -> None:
     """Child: look for some seconds; the share of a core, and messages and bytes of both."""
     builder = GraphBuilder()
     if way == _UNFILTERED:
-        tap_module.attach = lambda *_: False
+        group_receiver.attach = lambda *_: False  # type: ignore[attr-defined]
     with Tap(parse_url(_URL), **_WAYS[way]) as tap:
         start, used = time.monotonic(), time.process_time()
         while (left := start + _SECONDS - time.monotonic()) > 0:

@@ -32,7 +32,7 @@ class BackgroundSpin:
         self._has_started = threading.Event()
         self._context.background_spins.append(self)
         try:
-            self._thread = start_thread(self._run, "background spin")
+            start_thread(self._run, "background spin")
         except BusError:
             self._context.background_spins.remove(self)
             raise
@@ -62,6 +62,7 @@ class BackgroundSpin:
             self._thread.join(_LONGEST_CALLBACK)
 
     def _run(self) -> None:
+        self._thread = threading.current_thread()  # before a callback can stop it
         callbacks = [node.callbacks for node in self.nodes]
         try:
             with _spinning(callbacks):
