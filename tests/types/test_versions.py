@@ -167,7 +167,7 @@ def test_wtf_says_how_versions_differ(family: Family) -> None:
         ("rover/mode_t", "rover/mode_t is rover/mode_t@old/mode_t.lcm with note added at the end"),
         (
             "rover/state_t",
-            "rover/state_t and rover/state_t@old/state_t.lcm differ in pose and note",
+            "rover/state_t and rover/state_t@old/state_t.lcm differ in pose.x and pose.y and note",
         ),
     ):
         numbers = fingerprint(message_class(name)), fingerprint(old(name))
