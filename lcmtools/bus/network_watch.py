@@ -42,12 +42,14 @@ def route_interface(group: str) -> str:
 
     The kernel knows it: with rules for several tables, as of a VPN, the main table does not tell.
     """
-    asked = _asked_interface(group) if IS_LINUX else None
+    asked = _asked_interface(group)
     return _main_interface(group) if asked is None else asked
 
 
 def _asked_interface(group: str) -> str | None:
     """Return the interface by the kernel's answer (rtnetlink(7)); None if it does not answer."""
+    if sys.platform != "linux":
+        return None
     with (
         contextlib.suppress(OSError, struct.error),
         socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_ROUTE) as kernel,

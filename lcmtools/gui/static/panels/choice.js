@@ -34,9 +34,9 @@ export function choiceField({ label, value = "", placeholder = "", suggest, choo
   });
   input.value = value;
   let asked = 0;
-  if (!value && fills) fillIn();
+  if (!value && fills) fillWithOnlyOne();
   /** Choose the only candidate, unless something was entered meanwhile. */
-  async function fillIn() {
+  async function fillWithOnlyOne() {
     const [only, other] = await suggest("").catch(() => []);
     if (!only || other || input.value) return;
     input.value = only.value;
