@@ -1,5 +1,6 @@
 """The bus of nodes on UDP multicast, on sockets of our own, in liblcm's wire format."""
 
+import contextlib
 import socket
 import time
 from collections import deque
@@ -45,13 +46,17 @@ class UdpBus(ReceivingBus):
     def __init__(self, url: BusUrl) -> None:
         check_multicast(url)
         super().__init__(url)
-        self._sockets = GroupReceiver(url, channels=())
+        with contextlib.ExitStack() as opened:
+            self._sockets = GroupReceiver(url, channels=())
+            opened.callback(self._sockets.close)
+            self._sender = UdpSender(url)
+            opened.callback(self._sender.close)
+            self._sender.bind()
+            opened.pop_all()
         self._only = self._sockets.all[0]  # the one socket while there are no others
         self._recvmsg = self._only.recvmsg
         self._can_await = bound_wait(self._only, _GAP)
-        self._sender = UdpSender(url)
         self._send, self.shortcut = self._sender.send, self._sender.shortcut
-        self._sender.bind()
         self.ports = [self._sender.port]
         self._reassembler = Reassembler(
             self._wants, max_bytes=2 * MESSAGE_MAX, max_early_bytes=_MOST_EARLY
