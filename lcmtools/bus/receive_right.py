@@ -27,6 +27,7 @@ class ReceiveRight:
 
     Attributes:
         is_lendable: True if other threads may lead.
+        lead: Held by the leader; nothing waits for it.
         leader: The thread that leads: a wait of it has begun and not ended. 0 for none.
         latest: The thread that was the last to lead; 0 for none.
         is_away: No leader receives now; written by the leader only.
@@ -43,7 +44,7 @@ class ReceiveRight:
         self.is_away = self.is_taken = True
         self.is_closed = False
         self.wakeup = WakeupEvent()
-        self._lead = threading.Lock()  # held by the leader
+        self.lead = threading.Lock()
         self._lock = threading.Lock()  # held by the bus's own thread while it receives
         # What that thread sleeps on. A thread that gets a lock needs no call to clear it: after
         # each, it would wait for the interpreter while a callback runs.
@@ -74,7 +75,7 @@ class ReceiveRight:
         thread = threading.get_ident()
         if self.leader == thread:
             before = _AWAY if self.is_away else _HERE
-        elif self._lead.acquire(blocking=False):
+        elif self.lead.acquire(blocking=False):
             self.leader = self.latest = thread
             before = _OUTSIDE
         else:
@@ -97,7 +98,7 @@ class ReceiveRight:
         self.turns += 1
         if before == _OUTSIDE:
             self.leader = 0
-            self._lead.release()
+            self.lead.release()
         if self.is_own_asleep:
             self.wake_own()
 

@@ -93,16 +93,26 @@ class UdpBus(ReceivingBus):
         An event waits for that message, or for the gap that ends a stream.
         """
         right, has_received = self._right, False
-        if self._is_streaming and right.is_lendable and (before := right.come()):
+        # as ``come`` and ``leave``, without their calls
+        if self._is_streaming and right.is_lendable and right.lead.acquire(False):  # noqa: FBT003
             try:
-                has_received = (
-                    not right.wakeup.is_set
-                    and not wakeup.is_set
-                    and (timeout is None or timeout >= _GAP)
-                    and self._read_one(0)
+                right.leader = right.latest = get_ident()
+                right.is_away = False
+                has_received = not (
+                    right.is_taken
+                    or not right.is_lendable
+                    or right.wakeup.is_set
+                    or wakeup.is_set
+                    or (timeout is not None and timeout < _GAP)
+                    or not self._read_one(0)
                 )
             finally:
-                right.leave(before)
+                right.is_away = True
+                right.turns += 1
+                right.leader = 0
+                right.lead.release()
+                if right.is_own_asleep:
+                    right.wake_own()
         if not has_received:
             super().wait(wakeup, timeout)
 
