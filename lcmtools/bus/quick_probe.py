@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from lcmtools.bus.multicast import receiving_socket, send_to_group, sending_socket
 from lcmtools.bus.socket_filter import whole_on
 from lcmtools.bus.url import BusUrl
-from lcmtools.errors import BusError
+from lcmtools.errors import BusError, os_errors_as
 
 if TYPE_CHECKING:  # at run time imported later, while answers are on their way
     from lcmtools.graph.builder import GraphBuilder
@@ -47,14 +47,15 @@ class QuickProbe(contextlib.AbstractContextManager["QuickProbe"]):
     ) -> None:
         if not url.is_multicast:
             raise BusError("only a multicast bus can be probed")
-        self._receiver = receiving_socket(url, whole_on(answers_on), is_brief=True)
-        self._receiver.setblocking(False)  # noqa: FBT003 - socket's signature
-        self._sender = sending_socket(url)
-        try:
+        is_sent = os_errors_as(f"cannot send to {url.host}", kind=BusError)
+        with contextlib.ExitStack() as opened, is_sent:
+            self._receiver = opened.enter_context(
+                receiving_socket(url, whole_on(answers_on), is_brief=True)
+            )
+            self._receiver.setblocking(False)  # noqa: FBT003 - socket's signature
+            self._sender = opened.enter_context(sending_socket(url))
             send_to_group(self._sender, request, (url.host, url.port))
-        except OSError as error:
-            self.close()
-            raise BusError(f"cannot send to {url.host}: {error.strerror}") from error
+            opened.pop_all()
         self._sent = time.monotonic()
 
     def __exit__(self, *_: object) -> None:

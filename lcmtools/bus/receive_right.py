@@ -4,8 +4,9 @@ A thread that waits for messages leads: messages are handled where their callbac
 switch of threads. It keeps the right from one wait to the next, and only notes when it is away, for
 example in a callback. If it stays away, the bus's own thread takes the right until it is back.
 
-Neither needs a lock for this while nothing changes hands: each first says what it is about to do,
-and then looks at what the other says, so that at least one of them sees the other.
+Neither waits for a lock while nothing changes hands: each first says what it is about to do, and
+then looks at what the other says, so that at least one of them sees the other. The bus's own thread
+never receives while the leader does, also where several threads wait.
 """
 
 import contextlib
@@ -18,6 +19,7 @@ from lcmtools.bus.wakeup import WakeupEvent
 _PATIENCE = 0.015  # [s] that a leader may be away; up to twice as long happens
 _LONGEST_TURN = 1.0  # [s] that closing waits for a receiving thread
 _LOOK_AGAIN = 0.001  # [s]
+_HERE, _AWAY, _OUTSIDE = 1, 2, 3  # before ``come``: receiving, in a callback, in no wait
 
 
 class ReceiveRight:
@@ -25,8 +27,9 @@ class ReceiveRight:
 
     Attributes:
         is_lendable: True if other threads may lead.
-        leader: The thread that leads; 0 for none.
-        is_away: The leader does not receive now; written by the leader only.
+        leader: The thread that leads: a wait of it has begun and not ended. 0 for none.
+        latest: The thread that was the last to lead; 0 for none.
+        is_away: No leader receives now; written by the leader only.
         is_taken: The bus's own thread receives, or is about to.
         turns: Times that a leader went away.
         own: The bus's own thread.
@@ -36,10 +39,11 @@ class ReceiveRight:
 
     def __init__(self, *, is_lendable: bool) -> None:
         self.is_lendable = is_lendable
-        self.leader = self.own = self.turns = 0
+        self.leader = self.latest = self.own = self.turns = 0
         self.is_away = self.is_taken = True
         self.is_closed = False
         self.wakeup = WakeupEvent()
+        self._lead = threading.Lock()  # held by the leader
         self._lock = threading.Lock()  # held by the bus's own thread while it receives
         # What that thread sleeps on. A thread that gets a lock needs no call to clear it: after
         # each, it would wait for the interpreter while a callback runs.
@@ -59,30 +63,41 @@ class ReceiveRight:
     @property
     def is_own_turn(self) -> bool:
         """True while the bus's own thread may receive; it looks before each turn."""
-        return self.is_taken and (self.is_away or not self.is_lendable)
+        return self.is_taken and self.is_away
 
-    def come(self) -> bool:
-        """Let the calling thread lead, until ``leave``; return False if there is no right for it.
+    def come(self) -> int:
+        """Let the calling thread receive; return what ``leave`` needs, 0 if it has no right to.
 
-        If several threads wait, the bus's own must serve all from now on.
+        If several threads wait, the bus's own must serve all from now on. One that leads already
+        comes back from a callback, or waits within it; this must not be refused.
         """
         thread = threading.get_ident()
-        if self.leader != thread:
-            is_free, self.leader = self.is_away, thread
-            if not (is_free and self.is_away):
-                return self._refuse()
+        if self.leader == thread:
+            before = _AWAY if self.is_away else _HERE
+        elif self._lead.acquire(blocking=False):
+            self.leader = self.latest = thread
+            before = _OUTSIDE
+        else:
+            self.is_lendable = False
+            self.wake()
+            return 0
         self.is_away = False
-        if self.leader != thread:
-            self.is_away = True
-            return self._refuse()
         if self.is_taken:
-            self._take_back()
-        return True
+            self._take_back(before)
+        if before == _OUTSIDE and not self.is_lendable:  # meanwhile
+            self.leave(before)
+            return 0
+        return before
 
-    def leave(self) -> None:
-        """Note that the leader is away; it is trusted to come back soon."""
+    def leave(self, before: int) -> None:
+        """Undo ``come``; the leader is trusted to come back soon."""
+        if before == _HERE:
+            return
         self.is_away = True
         self.turns += 1
+        if before == _OUTSIDE:
+            self.leader = 0
+            self._lead.release()
         if self.is_own_asleep:
             self.wake_own()
 
@@ -99,7 +114,7 @@ class ReceiveRight:
         as it went away.
         """
         while not self.is_closed and not (self.is_away and has_work()):
-            if self.is_lendable and not self.is_away and self.turns == self._seen:
+            if not self.is_away and (not self.is_lendable or self.turns == self._seen):
                 self.is_own_asleep = True
                 if not self.is_away:
                     self._alarm.acquire()
@@ -131,16 +146,11 @@ class ReceiveRight:
             time.sleep(_LOOK_AGAIN)
         self.wakeup.close()
 
-    def _refuse(self) -> bool:
-        self.is_lendable = False
-        self.wake()
-        return False
-
-    def _take_back(self) -> None:
+    def _take_back(self, before: int) -> None:
         self.wakeup.set()
         try:
             with self._lock:
                 self.is_taken = False
         except BaseException:  # for example Ctrl-C
-            self.is_away = True
+            self.leave(before)
             raise

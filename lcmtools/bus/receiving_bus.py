@@ -125,7 +125,8 @@ class ReceivingBus(ABC):
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Receive on this thread until handlers were called or time is up (see ``Bus``)."""
         right = self._right
-        if self._closed or not right.is_lendable or not right.come():
+        before = right.come() if right.is_lendable and not self._closed else 0
+        if not before:
             wakeup.wait(timeout)
             return
         try:
@@ -135,7 +136,7 @@ class ReceivingBus(ABC):
             if not self._closed:  # else a signal handler has closed it while this received
                 raise
         finally:
-            right.leave()
+            right.leave(before)
 
     def hand_over(self) -> None:
         """Receive on the bus's own thread until this one waits again."""
@@ -240,14 +241,14 @@ class ReceivingBus(ABC):
         if thread == right.own:
             work()
             return True
-        was_away = right.is_away
-        if self._closed or thread != right.leader or not right.is_lendable or not right.come():
+        may_come = right.leader == thread or (right.latest == thread and right.is_lendable)
+        before = right.come() if may_come and not self._closed else 0
+        if not before:
             return False
         try:
             work()
         finally:
-            if was_away:
-                right.leave()
+            right.leave(before)
         return True
 
     def _serve_requests(self) -> None:
@@ -259,7 +260,7 @@ class ReceivingBus(ABC):
         right, is_prepared = self._right, False
         right.own = threading.get_ident()
         while not self._closed:
-            if right.leader and not is_prepared:
+            if right.latest and not is_prepared:
                 self._prepare()
                 is_prepared = True
             right.follow(lambda: not self._requests.empty())

@@ -72,11 +72,14 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         hears_itself: bool = True,
     ) -> None:
         check_multicast(url)
-        self.sender = UdpSender(url)
-        if not hears_itself:
-            self.sender.bind()
-        own_port = 0 if hears_itself else self.sender.port
-        self._sockets = GroupReceiver(url, heads=not whole, own_port=own_port)
+        with contextlib.ExitStack() as opened:
+            self.sender = UdpSender(url)
+            opened.callback(self.sender.close)
+            if not hears_itself:
+                self.sender.bind()
+            own_port = 0 if hears_itself else self.sender.port
+            self._sockets = GroupReceiver(url, heads=not whole, own_port=own_port)
+            opened.pop_all()
         self._is_spread = spread
         if spread:
             self._sockets.make_room(_AT_FIRST)

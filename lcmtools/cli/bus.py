@@ -1,5 +1,6 @@
 """The bus and the names that the command line selects."""
 
+import contextlib
 import os
 import signal
 import time
@@ -117,8 +118,10 @@ def _asking(url: "BusUrl") -> "Tap":
     from lcmtools.bus.quick_probe import PROBE_CHANNEL, PROBE_PAYLOAD
     from lcmtools.bus.tap import Tap
 
-    tap = Tap(url)
-    tap.send(PROBE_CHANNEL, PROBE_PAYLOAD)
+    with contextlib.ExitStack() as opened:
+        tap = opened.enter_context(Tap(url))
+        tap.send(PROBE_CHANNEL, PROBE_PAYLOAD)
+        opened.pop_all()
     return tap
 
 

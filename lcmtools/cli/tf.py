@@ -118,9 +118,9 @@ def echo(
     It is computed from the latest transforms of all frames between them. A log is read at once, by
     its times.
     """
-    end_with_reader()
     source, target = source.lstrip("/"), target.lstrip("/")
     with open_monitor("tf", whole=True) as monitor:
+        end_with_reader()
         frames = FollowedFrames(monitor, bus_choice().names.namespace, notify)
         found = _poses(frames, (source, target), 1 / hertz, timeout)
         for now, pose, stamp in islice(found, 1 if once else count):

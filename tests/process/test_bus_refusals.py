@@ -7,18 +7,22 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from lcmtools.bus import datagram_batch, kernel, multicast
+from lcmtools.bus import datagram_batch, kernel, multicast, quick_probe, tap, udp_bus
 from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.multicast import sending_socket
 from lcmtools.bus.network_watch import join
+from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.udp_bus import UdpBus
-from lcmtools.bus.url import parse_url
+from lcmtools.bus.url import BusUrl, parse_url
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
+from lcmtools.observe.reading import monitor
+from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.datagram import fragments, short_message
 
 WaitUntil = Callable[..., None]
@@ -230,6 +234,29 @@ def test_more_sockets_that_are_refused_leave_one(
         bus.subscribe("A", lambda payload, _: heard.append(payload), is_large=True)
         bus.publish("A", bytes(100_000))
         wait_until(lambda: heard)
+
+
+@pytest.mark.parametrize(
+    ("opening", "module", "part"),
+    [
+        (Tap, tap, "GroupReceiver"),
+        (UdpBus, udp_bus, "UdpSender"),
+        (QuickProbe, quick_probe, "sending_socket"),
+        (lambda url: BusMonitor(url, "echo", {}), monitor, "NodeRecords"),
+    ],
+)
+def test_opening_that_fails_or_is_interrupted_leaves_no_socket(
+    monkeypatch: pytest.MonkeyPatch, opening: Callable[[BusUrl], Any], module: Any, part: str
+) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    opening(_URL).close()  # the watch of the network stays
+    before = [*Path("/proc/self/fd").iterdir()]
+    monkeypatch.setattr(module, part, interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        opening(_URL)
+    assert [*Path("/proc/self/fd").iterdir()] == before
 
 
 def test_without_a_time_to_live_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:

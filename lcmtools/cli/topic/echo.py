@@ -114,8 +114,8 @@ def command(
     prefix = clearing() if clear and options.form in ("text", "flow") else ""
     names = looking_names()
     meant = [select_topics(topic, names) for topic in topics]
-    end_with_reader()
     with open_monitor("echo", whole=True, plays=True) as monitor:
+        end_with_reader()
         monitor.discover()
         if monitor.tap:
             monitor.tap.longest_nap = _NAP if may_wait() else 0.0

@@ -87,20 +87,22 @@ class BusMonitor:
         self._asked = asked
         self.trouble = ""  # of the connection; "" for none
         self._on_outage = on_outage
-        self._observer = observer or open_observer(
-            url, whole=whole, plays=plays, on_outage=self._note_outage
-        )
         self._news: deque[str] = deque()  # of the network; appended to by its watch
-        network_watch.tell(self._news.append)
-        self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
-        self._last_time = 0
-        self._records = NodeRecords(url, environment)
-        node = own_node(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
-        self._presence = Presence(node, self._observer.send, on_shutdown)
-        self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
-        self._has_told = False
-        if self.logs:
-            self._add_indexes(self.logs)
+        self._last_time, self._has_told = 0, False
+        with contextlib.ExitStack() as opened:
+            self._observer = observer or open_observer(
+                url, whole=whole, plays=plays, on_outage=self._note_outage
+            )
+            opened.callback(self._observer.close)
+            self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
+            self._records = NodeRecords(url, environment)
+            node = own_node(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
+            self._presence = Presence(node, self._observer.send, on_shutdown)
+            self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
+            if self.logs:
+                self._add_indexes(self.logs)
+            network_watch.tell(self._news.append)
+            opened.pop_all()
 
     def __enter__(self) -> "BusMonitor":
         """Use the monitor as a context manager."""

@@ -115,6 +115,47 @@ def test_few_messages_of_a_burst_are_handled_at_a_time_but_not_of_one_without_en
     assert handled == [*[10] * 10, 100]
 
 
+class Gate:
+    """A handler that holds its thread until it is let go, once."""
+
+    def __init__(self, bus: PipeBus) -> None:
+        self.is_entered, self._is_open = threading.Event(), threading.Event()
+        bus._handlers[b"a"] = (*bus._handlers[b"a"], self._hold)
+
+    def open(self) -> None:
+        """Let the thread go."""
+        self._is_open.set()
+
+    def _hold(self, _payload: bytes, _time: int) -> None:
+        self.is_entered.set()
+        assert self._is_open.wait(_LONG)
+
+
+@pytest.mark.parametrize("is_leading", [False, True])
+def test_a_thread_is_not_stuck_if_another_waits_while_it_takes_the_right_or_has_it(
+    bus: PipeBus, never: WakeupEvent, wait_until: Callable[..., None], *, is_leading: bool
+) -> None:
+    gate, event, right = Gate(bus), WakeupEvent(), bus._right
+    if is_leading:
+        bus.wait(never, 0.0)
+    bus.send(1)
+    with ThreadPoolExecutor() as pool:
+        assert is_leading or gate.is_entered.wait(_LONG)  # on the bus's own thread
+        first = pool.submit(bus.wait, event, _LONG)
+        assert gate.is_entered.wait(_LONG)
+        wait_until(lambda: right.leader)
+        bus.wait(never, 0.0)
+        # if it sleeps by now, the one that leads must wake it as it ends
+        wait_until(lambda: not is_leading or right._alarm.locked())
+        gate.open()
+        event.set()
+        first.result(_LONG / 2)
+    event.close()
+    bus.send(1)
+    wait_until(lambda: len(bus.threads) == 2)
+    assert bus.threads[1] == right.own
+
+
 def test_a_request_is_served_once_while_a_thread_waits(bus: PipeBus, never: WakeupEvent) -> None:
     bus.wait(never, 0.0)
     served: list[int] = []
