@@ -5,7 +5,6 @@ Nothing here waits for luck: every wait has a condition and a deadline.
 
 import itertools
 import os
-import resource
 import signal
 import socket
 import subprocess
@@ -66,6 +65,8 @@ def pytest_configure(config: pytest.Config) -> None:
     No test opens a window on the developer's screen.
     """
     for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED", "DISPLAY", "WAYLAND_DISPLAY"):
+        os.environ.pop(name, None)
+    for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):  # of the make that runs the tests
         os.environ.pop(name, None)
     os.environ["BROWSER"] = "true"  # for systems that always have a display
     hypothesis.settings.register_profile("no deadline", deadline=None)
@@ -202,17 +203,6 @@ def start_python(start: Callable[..., Program], tmp_path: Path) -> Callable[...,
         return start(sys.executable, str(script), *arguments, **environment)
 
     return run
-
-
-@pytest.fixture
-def small_files() -> Iterator[int]:
-    """Files of this process may have so many bytes."""
-    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, limits[1]))
-    yield 10_000
-    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    signal.signal(signal.SIGXFSZ, before)
 
 
 @pytest.fixture

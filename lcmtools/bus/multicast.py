@@ -176,7 +176,8 @@ def _explained(url: BusUrl, full: tuple[str, str] = _FULL_QUEUE) -> Iterator[Non
         elif error.errno in _FORBIDDING_ROUTES:
             kind = _FORBIDDING_ROUTES[error.errno]
             what = f"a {kind} route forbids sending to {where} ({error.strerror})"
-            hint = f"find it with: ip route show table all type {kind}; remove it by: ip route del"
+            show = f"ip route show table all type {kind}"
+            hint = f"find it with: {show}; then: sudo ip route del LINE"
         elif error.errno == errno.EPERM:
             what = f"sending to {where} is forbidden ({error.strerror})"
             allow = f"sudo ufw allow out to {url.host} port {url.port} proto udp"

@@ -138,10 +138,8 @@ def read_rates(words: Sequence[str]) -> dict[str, float]:
 def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
     """Relay until Ctrl-C. Show rates on a terminal, and write totals at the end."""
     name = resolve(name) if name else ""
-    latest: list[Link] = []
 
     def show_rates(link: Link) -> None:
-        latest[:] = [link]
         here, there = link.ends
         if rates := line.rates(here.messages, here.bytes, there.messages, there.bytes):
             back, on = (f"{rates[n]:.0f}/s, {size_text(rates[n + 1])}/s" for n in (0, 2))
@@ -154,18 +152,18 @@ def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
             line.write_note(f"{only}; --allow '**' passes the other topics, too")
         for url in urls:
             wait_for_bus(url, line.write_note)
+        relay = Relay(
+            urls,
+            rules,
+            line.write_note,
+            name=name,
+            on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
+        )
         try:
-            with Relay(
-                urls,
-                rules,
-                line.write_note,
-                name=name,
-                on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
-            ) as relay:
+            with relay:
                 attend(relay, show_rates)
         finally:
-            for link in latest:
-                line.write_note(_summary(link))
+            line.write_note(_summary(relay.link))
 
 
 def _summary(link: Link) -> str:

@@ -27,7 +27,7 @@ from lcmtools.gui.protocol import (
     text_frame,
 )
 from lcmtools.gui.requests import ACTIONS, ASKS, answer
-from lcmtools.gui.source import Source, topic_named
+from lcmtools.gui.source import Source
 from lcmtools.gui.streams import stream_class
 from lcmtools.gui.streams.pool import OpenStream, StreamPool
 
@@ -111,8 +111,6 @@ class BrowserPage:
             self._send({"id": number, "problem": refusal})
             return
         parameters, is_paced = request.without("op", "id", "stream", "paced"), request.flag("paced")
-        if topic := parameters.text("topic", ""):
-            parameters = parameters.with_text("topic", topic_named(self._source, topic))
         if number not in self._open and len(self._open) >= _MOST_STREAMS:
             problem = "too much is shown on this page; close or hide some of it"
             self._send({"id": number, "problem": problem})

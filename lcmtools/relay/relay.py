@@ -133,6 +133,11 @@ class Relay(AbstractContextManager["Relay"]):
             presence.announce(leaving=True)
             side.end.close()
 
+    @property
+    def link(self) -> Link:
+        """The state of its last report; after its context that of its end, with all counts."""
+        return self._known.own
+
     def turn(self) -> Link:
         """Do pending work, waiting for a moment; return the relay's state."""
         self._ends.wait(_TURN)
@@ -288,11 +293,14 @@ class Relay(AbstractContextManager["Relay"]):
         waits = self._waits(now)
         self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits
-        if carries != self._has_notified and not waits:
+        if carries != self._carries:
+            self._change(now, carries=carries)
+        if carries != self._has_notified and not waits:  # it is true by now
             self._has_notified = carries
             self._say_state(active)
-        if carries == self._carries:
-            return
+
+    def _change(self, now: float, *, carries: bool) -> None:
+        """Carry messages from now on, or stand by."""
         self._carries = carries
         if carries:
             for index, side in enumerate(self._sides):

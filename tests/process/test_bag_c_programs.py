@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from fixtures.says import assert_line
 
 from lcmtools.bag.log import Log
 from lcmtools.types.geometry_msgs import Twist
@@ -84,7 +85,7 @@ def test_a_log_of_a_c_program_is_read(drive: str, tmp_path: Path, cli: Cli) -> N
 def test_a_c_program_reads_what_lcmtools_writes(drive: str, tmp_path: Path, cli: Cli) -> None:
     path, cut = str(tmp_path / "c.lcmlog"), str(tmp_path / "cut.lcmlog")
     subprocess.run([drive, "write", path, "20"], check=True)
-    cli("bag", "cut", path, cut, "-s", "1s").ok()
+    assert_line(cli("bag", "cut", path, cut, "-s", "1s").err, "lcmtools bag cut: ", "latched")
     found = subprocess.run([drive, "read", cut, "0"], check=True, capture_output=True, text=True)
     assert found.stdout.splitlines() == [
         f"{number} C_DRIVE 56 {(number + 10) / 2:g}" for number in range(10)

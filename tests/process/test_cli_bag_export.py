@@ -74,6 +74,6 @@ def test_what_is_left_out_is_said(tmp_path: Path, cli: Run) -> None:
     log.write_event(1_000_001, "/x", b"12345678")
     log.close()
     result = cli("bag", "export", str(path), str(target))
-    assert (result.code, result.out) == (1, f"{target}: 1 messages\n")
+    assert (result.code, result.out) == (1, f"{target}: 1 message\n")
     (line,) = result.err.splitlines()
     assert_says(line, "/x", "left out", "0x3132333435363738")

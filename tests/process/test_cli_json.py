@@ -113,7 +113,7 @@ LINES = [
     "hz /odometry -n 2",
     "hz /odometry /nothing -n 1",
     "bw /odometry -n 2",
-    "delay /odometry -n 2",
+    "delay --wall-time /odometry -n 2",
     "type /odometry",
     "type /odometry/pose/covariance",
     "type PLAIN",
@@ -168,6 +168,7 @@ LINES = [
     "bag downsample ride.lcmlog out7.lcmlog --every 2",
     "bag check ride.lcmlog --against contract.yaml",
     "bag diff ride.lcmlog other.lcmlog",
+    "bag rerun ride.lcmlog -- lcmtools run talker",
     "bag du ride.lcmlog",
     "bag fix broken.lcmlog out8.lcmlog",
     "bag reindex broken.lcmlog",
@@ -284,7 +285,9 @@ def test_keys_of_json_are_on_the_page(
     monkeypatch.chdir(folder)
     monkeypatch.delenv("DISPLAY", raising=False)
     words = shlex.split(line)
-    result = cli(*words, "--json", until=_is_complete, ends_by=signal.SIGTERM)
+    own = words.index("--") if "--" in words else len(words)  # a program's follow
+    words.insert(own, "--json")
+    result = cli(*words, until=_is_complete, ends_by=signal.SIGTERM)
     assert "Traceback" not in result.err, result
     documents = _documents(result.out)
     assert documents, result

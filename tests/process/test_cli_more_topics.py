@@ -226,7 +226,15 @@ def test_delay_of_an_unknown_type_is_one_error_with_exit_code_1(cli: Run) -> Non
     result = cli("delay", "NOISE")
     assert (result.code, result.out) == (1, "")
     _, _, error = result.err.partition("\n")
-    assert_line(error, "lcmtools delay: ", "type", "NOISE", "not known; lcmtools echo NOISE")
+    parts = "type", "NOISE", "is not known: unknown type", "lcmtools echo NOISE"
+    assert_line(error, "lcmtools delay: ", *parts)
+        error,
+        "lcmtools delay: ",
+        "type",
+        "NOISE",
+        "is not known: unknown type",
+        "lcmtools echo NOISE",
+    )
 
 
 def test_hz_of_several_topics_is_rostopics_table(

@@ -2,6 +2,7 @@
 
 import os
 import socket
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -204,8 +205,12 @@ def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -
         ip("route", "add", kind, "239.255.76.67/32")
         what, remedy = send_problem(url)
         assert what == f"a {kind} route forbids sending to 239.255.76.67:7667 ({reason})"
-        assert remedy.startswith(f"find it with: ip route show table all type {kind}; then: ")
-        ip("route", "del", kind, "239.255.76.67/32")
+        show, delete = remedy.removeprefix("find it with: ").split("; then: ")
+        line = subprocess.run(show.split(), capture_output=True, text=True, check=True).stdout
+        assert line.split() == [kind, "239.255.76.67"]
+        assert delete == "sudo ip route del LINE"
+        ip("route", "del", *line.split())
+        assert send_problem(url) == ("", "")
     ip("route", "del", "224.0.0.0/4")
     what, remedy = send_problem(url)
     assert what == "no multicast route to 239.255.76.67:7667"

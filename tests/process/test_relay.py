@@ -73,16 +73,17 @@ class RunningRelay:
 
 
 @pytest.fixture
-def relay(
-    wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Callable[..., RunningRelay]]:
-    """``relay(here, there, Rules(), waits=True)``: a relay that works, or stands by.
-
-    Nothing is late for it, however busy the computer is.
-    """
+def nothing_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is late for a relay of this process, however busy the computer is."""
     monkeypatch.setattr("lcmtools.relay.side.LATE", 3600.0)
     monkeypatch.setattr("lcmtools.wire.lateness.LATE", 3600 * 10**9)
     monkeypatch.setattr("lcmtools.bus.zenoh.keep_last_sender._MOST_WAITING", 3600 * 10**9)
+
+
+@pytest.fixture
+def relay(wait_until: WaitUntil, nothing_late: None) -> Iterator[Callable[..., RunningRelay]]:
+    """``relay(here, there, Rules(), waits=True)``: a relay that works, or stands by."""
+    del nothing_late
     running: list[RunningRelay] = []
 
     def run(here: str, there: str, rules: Rules = Rules()) -> RunningRelay:  # noqa: B008
@@ -330,6 +331,40 @@ def test_what_needs_an_option_to_pass_is_said_once_with_the_option(
     printed = program.output
     assert printed.count("leaves out") <= 2
     assert "left out by its rules" in printed.rpartition("none lost, ")[2]
+
+
+@pytest.mark.usefixtures("nothing_late")
+def test_what_it_counted_since_its_last_turn_is_in_its_link(
+    urls: Callable[..., str], join: Callable[[str], Bus], wait_until: WaitUntil
+) -> None:
+    one, other = urls(), urls()
+    here, there = join(one), join(other)
+    last = _hears(there, "/last")
+    with Relay((parse_url(one), parse_url(other)), Rules(), lambda _: None) as running:
+        wait_until(lambda: running.turn().state is State.ACTIVE)
+        for channel in ("/cmd_vel", "/cmd_vel", "/last"):
+            here.publish(channel, b"12345678")
+        wait_until(lambda: last)
+    assert running.link.ends[0].left_out == 2
+    assert running.link.ends[1].messages == 1
+
+
+@pytest.mark.usefixtures("nothing_late")
+def test_it_carries_by_the_time_it_says_so(
+    urls: Callable[..., str], join: Callable[[str], Bus], wait_until: WaitUntil
+) -> None:
+    one, other = urls(), urls()
+    here, there = join(one), join(other)
+    early = _hears(there, "/early")
+
+    def notify(text: str) -> None:
+        if text.startswith("carries messages"):
+            here.publish("/early", b"12345678")
+            wait_until(lambda: early)
+
+    with Relay((parse_url(one), parse_url(other)), Rules(), notify) as running:
+        wait_until(lambda: early or running.turn().state is State.ACTIVE)
+    assert early == [b"12345678"]
 
 
 def test_an_allowed_name_alone_says_that_nothing_else_passes(

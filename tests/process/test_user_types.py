@@ -1,6 +1,7 @@
 """Types of one's own, in every command: LCMTOOLS_TYPE_PATH, and code for other languages."""
 
 import json
+import marshal
 import os
 import shutil
 import subprocess
@@ -89,13 +90,20 @@ def test_scripts_get_them_by_name(folder: Path) -> None:
 
 
 def test_commands_that_start_at_once_all_get_the_same(
-    start: Callable[..., Any], lcmtools_path: str
+    start: Callable[..., Any], lcmtools_path: str, folder: Path
 ) -> None:
-    programs = [start(lcmtools_path, "msg", "fingerprint", "fleet/Pose") for _ in range(6)]
+    """With enough files for the cache, which none of them finds."""
+    for n in range(70):
+        text = f"package fleet;\nstruct T{n} {{ Tag tag; double x[{n + 1}]; }}\n"
+        (folder / f"T{n}.lcm").write_text(text)
+    programs = [start(lcmtools_path, "msg", "list", "--json") for _ in range(6)]
     assert {program.wait() for program in programs} == {0}
     assert len({program.output for program in programs}) == 1
-    kept = Path(os.environ["XDG_CACHE_HOME"]) / "lcmtools" / "types"
-    assert sorted(path.suffix for path in kept.iterdir()) == [".json", *[".types"] * 3]
+    assert "fleet/T69" in programs[0].output
+    kept = Path(os.environ["XDG_CACHE_HOME"]) / "lcmtools"
+    assert [path.name for path in kept.iterdir()] == ["types.parsed"]
+    _, parsed = marshal.loads((kept / "types.parsed").read_bytes())  # noqa: S302 - of this test
+    assert len(parsed) == 3 + 70, "whole, and of all files"
 
 
 def test_types_of_an_installed_package_are_known_everywhere(

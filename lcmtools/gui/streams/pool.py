@@ -5,7 +5,7 @@ import time
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui import streams
 from lcmtools.gui.protocol import Parameters
-from lcmtools.gui.source import Source
+from lcmtools.gui.source import Source, topic_named
 from lcmtools.gui.streams.base import PageStream, Update
 
 
@@ -50,6 +50,8 @@ class StreamPool:
 
     def open(self, name: str, parameters: Parameters) -> OpenStream:
         """Open a stream, or use another page's; MalformedRequest for a bad name or parameters."""
+        if topic := parameters.text("topic", ""):
+            parameters = parameters.with_text("topic", topic_named(self._source, topic))
         key = name, parameters.key
         found = self._shared.get(key)
         if found is None:

@@ -1,6 +1,7 @@
 """``lcmtools lab check``."""
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import click
@@ -19,6 +20,7 @@ from lcmtools.cli.output import results_beside, write_document, write_lines
 from lcmtools.errors import UsageError, needing_extra
 from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.results import as_specified
+from lcmtools.labs.commands.lab import require_extras
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
@@ -30,6 +32,14 @@ def _program_options(command: Callable[..., int]) -> Callable[..., int]:
             add = option(f"--{program.option}", metavar="COMMAND", help=text, completer="files")
             command = add(command)
     return command
+
+
+def _check_extra(*, simulates: bool) -> None:
+    """Raise MissingExtra, before anything is said of programs that could not be simulated."""
+    if simulates:
+        require_extras("lab check", ["sim"])
+        with needing_extra("sim", "lab check needs"):
+            import_module("numpy")  # it may be installed, but for another Python
 
 
 @subcommand("check", json_option)
@@ -87,6 +97,7 @@ def command(
     With --bag no program is run: the messages of a log are judged in the same way, as far as the
     lab needs them; checks that are not possible are listed.
     """
+    _check_extra(simulates=not log)
     with needing_extra("sim", "lab check needs"):
         from lcmtools.labs.checks.choice import choose
         from lcmtools.labs.commands import checking

@@ -55,7 +55,7 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...], *, opens_vi
     from lcmtools.cli import run
 
     lab = find_lab(name)
-    _require_extras(["sim", "web"] if opens_view else ["sim"])
+    require_extras("lab start", ["sim", "web"] if opens_view else ["sim"])
     with open_monitor("lab_start") as monitor:
         nodes = {node.name for node in monitor.settle(foreign=False).nodes if not node.stale}
     if lab.simulator in nodes:
@@ -73,12 +73,12 @@ def start(ctx: click.Context, name: str, arguments: tuple[str, ...], *, opens_vi
     return int(ctx.invoke(run.command, **own, show_list=False, as_json=False))
 
 
-def _require_extras(extras: Sequence[str]) -> None:
-    """Raise MissingExtra that names all of these extras that are not installed."""
+def require_extras(command: str, extras: Sequence[str]) -> None:
+    """Raise MissingExtra that names all extras of a command that are not installed."""
     missing = [extra for extra in extras if not all(map(_is_installed, _MODULES[extra]))]
     if missing:
         names = " and ".join(f"'{extra}'" for extra in missing)
-        what = f"lab start needs the extra{'s' * (len(missing) > 1)} {names}"
+        what = f"{command} needs the extra{'s' * (len(missing) > 1)} {names}"
         hint = "; --no-view starts the simulator alone" if missing == ["web"] else ""
         raise MissingExtra(what, extra_hint(",".join(missing)) + hint)
 

@@ -214,7 +214,7 @@ def test_a_number_that_ros_cannot_hold_is_left_out(tmp_path: Path, cli: Run) -> 
     lines = index_path(log).read_text().splitlines(keepends=True)
     index_path(other).write_text(lines[0] + "".join(one for one in lines if '"type"' in one))
     result = cli("bag", "export", str(other), str(tmp_path / "b.bag"))
-    assert (result.code, result.out) == (1, f"{tmp_path / 'b.bag'}: 1 messages\n")
+    assert (result.code, result.out) == (1, f"{tmp_path / 'b.bag'}: 1 message\n")
     assert_says(result.err, "/item", "one", str(2**32))
     assert_says(result.err, "/item", "some", "-1")
 

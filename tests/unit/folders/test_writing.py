@@ -5,6 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from fixtures.limits import small_files
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.folders import write_whole
@@ -12,12 +13,12 @@ from lcmtools.folders import write_whole
 
 @pytest.mark.parametrize("content", ["x" * 20_000, bytes(20_000)])
 def test_a_full_disk_leaves_the_file_before_and_nothing_beside(
-    content: str | bytes, tmp_path: Path, small_files: int
+    content: str | bytes, tmp_path: Path
 ) -> None:
-    assert len(content) > small_files
     path = tmp_path / "results.xml"
     path.write_text("mine")
-    with pytest.raises(LcmtoolsError, match=r"cannot write .*results.xml: File too large"):
+    failure = pytest.raises(LcmtoolsError, match=r"cannot write .*results.xml: File too large")
+    with small_files(), failure:
         write_whole(path, content)
     assert path.read_text() == "mine"
     assert list(tmp_path.iterdir()) == [path]

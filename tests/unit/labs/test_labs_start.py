@@ -1,4 +1,7 @@
-"""lab start names all that is missing at once, before anything else."""
+"""lab start and lab check name all that is missing at once, before anything else."""
+
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 from fixtures.says import assert_says
@@ -20,10 +23,20 @@ def test_all_missing_extras_are_named_together(
 ) -> None:
     monkeypatch.setattr(lab, "find_spec", lambda name: None if name in missing else name)
     with pytest.raises(MissingExtra) as error:
-        lab._require_extras(["sim", "web"])
+        lab.require_extras("lab start", ["sim", "web"])
     assert_says(str(error.value), f"lab start needs the {extras}", hint)
 
 
 def test_one_engine_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lab, "find_spec", lambda name: None if name == "pybullet" else name)
-    lab._require_extras(["sim", "web"])
+    lab.require_extras("lab start", ["sim", "web"])
+
+
+def test_a_check_without_an_engine_says_so_before_it_says_what_it_simulates(
+    cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    missing = {"pybullet", "mujoco"}
+    monkeypatch.setattr(lab, "find_spec", lambda name: None if name in missing else name)
+    done = cli("lab", "check", "husky")
+    assert (done.code, done.out, done.err.count("\n")) == (3, "", 1)
+    assert_says(done.err, "lcmtools lab check: lab check needs the extra 'sim'", "[sim]'")

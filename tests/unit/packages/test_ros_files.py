@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from fixtures.limits import small_files
 from fixtures.says import assert_says, raises_saying
 from hypothesis import given
 from hypothesis import strategies as st
@@ -341,12 +342,11 @@ def test_a_name_that_is_a_keyword_of_the_language_is_an_error_with_its_line(
     assert not target.exists()
 
 
-@pytest.mark.usefixtures("small_files")
 def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
     write: Write, tmp_path: Path
 ) -> None:
     folder = write({"p/msg/A.msg": "float64[] values\n"})
-    with raises_saying(LcmtoolsError, "cannot write", ": File too large"):
+    with small_files(), raises_saying(LcmtoolsError, "cannot write", ": File too large"):
         generate_code([folder / "p/msg/A.msg"], "cpp", tmp_path / "generated")
     assert not (tmp_path / "generated").exists()
 
