@@ -100,7 +100,6 @@ class UdpBus(ReceivingBus):
                 right.is_away = False
                 has_received = not (
                     right.is_taken
-                    or not right.is_lendable
                     or right.wakeup.is_set
                     or wakeup.is_set
                     or (timeout is not None and timeout < _GAP)
