@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from lcmtools.bus.step_bus import STEP_CHANNEL
 from lcmtools.graph.model import VERSION
 from lcmtools.graph.protocol import TALK_CHANNELS
 from lcmtools.messages.fields import Field, fields
@@ -48,4 +49,7 @@ def test_the_page_says_how_a_struct_may_change(struct: str) -> None:
 
 def test_the_page_has_the_version_and_the_channels() -> None:
     assert f"The current version of the protocol is {VERSION}." in _PAGE
-    assert set(re.findall(r"^\| `(/_lcmtools/\w+)`", _PAGE, re.MULTILINE)) == TALK_CHANNELS
+    assert set(re.findall(r"^\| `(/_lcmtools/\w+)`", _PAGE, re.MULTILINE)) == {
+        *TALK_CHANNELS,
+        STEP_CHANNEL,
+    }
