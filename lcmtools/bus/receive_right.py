@@ -123,8 +123,9 @@ class ReceiveRight:
             elif self.is_away and (not self.is_lendable or self.turns == self._seen):
                 break
             else:  # the leader comes and goes: its next turn need not wake this thread
-                self._seen = self.turns
-                self._alarm.acquire(timeout=_PATIENCE)
+                turns = self.turns
+                if not self._alarm.acquire(timeout=_PATIENCE):  # else an earlier turn woke it
+                    self._seen = turns
         self.is_taken = True
 
     def wake(self) -> None:

@@ -263,3 +263,17 @@ def test_its_own_thread_outlives_a_fault_of_the_system(
     bus.send(1)
     wait_until(lambda: bus.threads)
     assert len(reports) == 2
+
+
+def test_a_leader_that_has_just_gone_is_waited_for_though_an_earlier_turn_wakes() -> None:
+    right, looks = receive_right.ReceiveRight(is_lendable=True), []
+    right.turns = 1
+
+    def has_work() -> bool:
+        looks.append(right.is_away)
+        right.wake_own()
+        return len(looks) == 3
+
+    right.follow(has_work)
+    right.close()
+    assert looks == [True] * 3
