@@ -127,7 +127,7 @@ def test_the_sources_of_a_class_are_built_and_checked(
     Path("class/anna b").mkdir(parents=True)
     Path("rover").rename("class/rover")
     Path("class/anna b/my moving_robot.cpp").write_text(mover)
-    wrong = mover.replace("timer_callback", "timr_callback", 1)
+    wrong = mover.replace("{ timer_callback", "{ timr_callback")
     Path("class/cy.cpp").write_text(wrong)
     result = cli("lab", "check", "dolly", "--programs", "class", "--json")
     rows = {one["submission"]: one["rows"] for one in json.loads(result.out)}
