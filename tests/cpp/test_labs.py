@@ -138,7 +138,7 @@ def test_the_sources_of_a_class_are_built_and_checked(
     ]
     (row,) = rows["cy.cpp"]
     assert row["what"] == "can be built"
-    line = wrong[: wrong.index("timr_callback")].count("\n") + 1
+    line = wrong[: wrong.rindex("timr_callback")].count("\n") + 1
     assert_says(row["hint"], f"cy.cpp was not built; cy.cpp:{line}: ", "timr_callback")
 
 
