@@ -60,7 +60,7 @@ class PlacedType(NamedTuple):
 
     @property
     def wire(self) -> tuple[object, ...]:
-        """What its messages depend on: fields without their lines, or values."""
+        """The parts that its messages depend on: fields without their lines, or values."""
         return [field[:3] for field in self.type.fields], self.type.values
 
 

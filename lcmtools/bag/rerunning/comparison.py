@@ -77,7 +77,7 @@ class Difference(NamedTuple):
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """Whether it is beyond the tolerance, and its size."""
+        """The order of differences: beyond the tolerance or not, then by size."""
         return not self.is_allowed, self.size
 
     def __str__(self) -> str:

@@ -50,7 +50,7 @@ class Stopped(Exception):  # noqa: N818 - named for what happened
 
 @dataclass(slots=True)
 class Run:
-    """What happened while a log was played to programs."""
+    """The record of playing a log to programs."""
 
     senders: Mapping[str, Collection[str]]  # of the topics of the log
     published: list[tuple[str, Compared]] = field(default_factory=list)  # with the topics
