@@ -54,7 +54,8 @@ def test_parquet_has_lists_in_lists(
     cls = message_class("nested_arrays/scene_t")
     messages = [draft_from_values(cls, [text]).message for text in texts]
     log, target = log_of("SCENE", *map(encode, messages)), tmp_path / "scene.parquet"
-    assert cli("bag", "export", log, str(target)).ok().startswith(f"{target}: {len(texts)} message")
+    counted = "1 message" if len(texts) == 1 else f"{len(texts)} messages"
+    assert cli("bag", "export", log, str(target)).ok() == f"{target}: {counted}\n"
     found = parquet.read_table(target).to_pydict()
     assert found.pop("%time")
     expected = {name: [part(to_plain(one), name) for one in messages] for name in found}
