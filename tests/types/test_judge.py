@@ -170,16 +170,15 @@ def sample(cls: type[Message], depth: int = 0) -> Any:
     """A message with a value in each field."""
     message: Any = cls()
     for number, field in enumerate(visible_fields(cls), 1):
+        counts = [size if isinstance(size, int) else 2 * (depth < 3) for size in field.dimensions]
         value: Any = {"bool": True, "string": "text"}.get(field.type, number)
-        if field.message_class:
-            value = sample(field.message_class, depth + 1) if depth < 3 else None
-        for size in reversed(field.dimensions):
-            count = size if isinstance(size, int) else (2 if depth < 3 else 0)
+        if field.message_class and 0 not in counts:  # a type holds itself in such arrays alone
+            value = sample(field.message_class, depth + 1)
+        for count in reversed(counts):
             value = [value] * count
         if field.is_bytes and field.depth == 1:
             value = bytes(value)
-        if value is not None:
-            setattr(message, field.attribute, value)
+        setattr(message, field.attribute, value)
     assert len(fields(cls)) == len(cls.__slots__)
     return message
 
