@@ -6,21 +6,18 @@ Nothing here waits for luck: every wait has a condition and a deadline.
 import itertools
 import os
 import signal
-import socket
 import subprocess
 import sys
 import sysconfig
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack, suppress
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import hypothesis
 import pytest
 from fixtures import networks
-from fixtures.command import Result, call
+from fixtures.command import call
 from fixtures.nodes import LiveNode
 from fixtures.programs import Program, Stopwatch
 
@@ -56,7 +53,7 @@ _SECONDS = {
 _ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
 
 
-def pytest_configure(config: pytest.Config) -> None:
+def pytest_configure(config):
     """Let a test's processes begin as they would in a terminal, however pytest was started.
 
     A shell lets what runs behind & ignore Ctrl-C, and nohup what it runs the end of the terminal:
@@ -79,18 +76,18 @@ def pytest_configure(config: pytest.Config) -> None:
             signal.signal(number, own)
 
 
-def _go_on(number: int, frame: object) -> None:
+def _go_on(number, frame):
     """Ignore a signal in such a way that no child inherits it."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Order tests for workers that each begin with an equal part (pytest --dist worksteal).
 
     In every part the long ones come first, so that no worker is alone with them in the end. Files
     stay together, for their tests may share what they start.
     """
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-    parts: list[list[pytest.Item]] = [[] for _ in range(workers)]
+    parts = [[] for _ in range(workers)]
     seconds = [0.0] * workers
     items.sort(key=_seconds, reverse=True)
     short = [item for item in items if not _seconds(item)]
@@ -107,15 +104,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items[:] = [item for part in (*parts, short) for item in part]
 
 
-def _folder(item: pytest.Item) -> str:
+def _folder(item):
     return Path(os.path.relpath(item.path, Path(__file__).parent)).parts[0]
 
 
-def _seconds(item: pytest.Item) -> float:
+def _seconds(item):
     return _SECONDS.get(_folder(item), 0)
 
 
-def _shares_with(item: pytest.Item) -> str:
+def _shares_with(item):
     return item.nodeid if _folder(item) in _ALONE else str(item.path)
 
 
@@ -123,12 +120,12 @@ _FOLDERS = itertools.count()
 
 
 @pytest.fixture(scope="session")
-def _own_folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def _own_folders(tmp_path_factory):
     return tmp_path_factory.mktemp("own")
 
 
 @pytest.fixture(autouse=True)
-def _clean_environment(monkeypatch: pytest.MonkeyPatch, _own_folders: Path) -> None:
+def _clean_environment(monkeypatch, _own_folders):
     """No bus and no settings of the developer's own, and node records in the test's folder."""
     for name in _INHERITED:
         monkeypatch.delenv(name, raising=False)
@@ -140,11 +137,11 @@ def _clean_environment(monkeypatch: pytest.MonkeyPatch, _own_folders: Path) -> N
 
 
 @pytest.fixture
-def free_port() -> Iterator[Callable[[], int]]:
+def free_port():
     """Gives UDP ports that no other test, worker or program of this computer uses."""
-    held: list[socket.socket] = []
+    held = []
 
-    def take() -> int:
+    def take():
         held.append(networks.reserve_port())
         return int(held[-1].getsockname()[1])
 
@@ -154,22 +151,22 @@ def free_port() -> Iterator[Callable[[], int]]:
 
 
 @pytest.fixture
-def bus_url(free_port: Callable[[], int]) -> str:
+def bus_url(free_port):
     """A multicast bus that belongs to this test alone and stays on this computer."""
     return f"udpm://239.255.76.67:{free_port()}?ttl=0"
 
 
 @pytest.fixture(scope="session")
-def stopwatch() -> type[Stopwatch]:
+def stopwatch():
     """``stopwatch(pid)``: see Stopwatch."""
     return Stopwatch
 
 
 @pytest.fixture
-def wait_until() -> Callable[..., None]:
+def wait_until():
     """``wait_until(condition, timeout=40.0)``: polls; fails the test at the deadline."""
 
-    def wait(condition: Callable[[], object], timeout: float = 40.0) -> None:
+    def wait(condition, timeout=40.0):
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > deadline:
@@ -180,11 +177,11 @@ def wait_until() -> Callable[..., None]:
 
 
 @pytest.fixture
-def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
+def start(tmp_path):
     """``start(*command, **environment)``: a process that is ended with the test."""
-    programs: list[Program] = []
+    programs = []
 
-    def run(*command: str, popen: Any = subprocess.Popen, **environment: str) -> Program:
+    def run(*command, popen=subprocess.Popen, **environment):
         programs.append(Program(command, tmp_path, environment, popen))
         return programs[-1]
 
@@ -194,10 +191,10 @@ def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
 
 
 @pytest.fixture
-def start_python(start: Callable[..., Program], tmp_path: Path) -> Callable[..., Program]:
+def start_python(start, tmp_path):
     """``start_python(source, *arguments, **environment)``: the same for a script's text."""
 
-    def run(source: str, *arguments: str, **environment: str) -> Program:
+    def run(source, *arguments, **environment):
         script = tmp_path / f"script_{len(list(tmp_path.glob('script_*')))}.py"
         script.write_text(source)
         return start(sys.executable, str(script), *arguments, **environment)
@@ -206,7 +203,7 @@ def start_python(start: Callable[..., Program], tmp_path: Path) -> Callable[...,
 
 
 @pytest.fixture
-def bare_network() -> Iterator[None]:
+def bare_network():
     """A network of the test's own in which nothing works yet: no route, loopback down.
 
     The test's thread is in it, with all processes and threads that it starts.
@@ -216,7 +213,7 @@ def bare_network() -> Iterator[None]:
 
 
 @pytest.fixture
-def private_network() -> Iterator[None]:
+def private_network():
     """A network of the test's own where multicast works: for floods and malformed datagrams."""
     with networks.own_network():
         networks.let_multicast_work()
@@ -224,7 +221,7 @@ def private_network() -> Iterator[None]:
 
 
 @pytest.fixture
-def quiet_network() -> Iterator[None]:
+def quiet_network():
     """The same where it is permitted, else the computer's: for what looks at all that goes on."""
     with ExitStack() as stack:
         with suppress(pytest.skip.Exception):
@@ -234,19 +231,19 @@ def quiet_network() -> Iterator[None]:
 
 
 @pytest.fixture
-def ip() -> Callable[..., None]:
+def ip():
     """``ip("route", "del", ...)``: changes the network of ``private_network``."""
     return networks.ip
 
 
 @pytest.fixture(scope="session")
-def cli() -> Callable[..., Result]:
+def cli():
     """``cli("list", "-v", input="", env={}) -> Result``: runs a command in the test's process."""
     return call
 
 
 @pytest.fixture
-def start_node(bus_url: str) -> Iterator[Callable[..., LiveNode]]:
+def start_node(bus_url):
     """``start_node(Talker, "__ns:=/a", url=None)``: a node that runs in the test's process.
 
     It is on ``bus_url``, unless another one is named, and leaves with the test.
@@ -255,19 +252,17 @@ def start_node(bus_url: str) -> Iterator[Callable[..., LiveNode]]:
 
 
 @pytest.fixture(scope="module")
-def module_start_node(
-    module_bus_url: str, module_runtime: str
-) -> Iterator[Callable[..., LiveNode]]:
+def module_start_node(module_bus_url, module_runtime):
     """``start_node`` for nodes that the tests of a module share, on the module's bus."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", module_runtime)
         yield from _node_starter(module_bus_url)
 
 
-def _node_starter(usual_url: str) -> Iterator[Callable[..., LiveNode]]:
-    nodes: list[LiveNode] = []
+def _node_starter(usual_url):
+    nodes = []
 
-    def run(make: Callable[[], Any], *words: str, url: str | None = None) -> LiveNode:
+    def run(make, *words, url=None):
         nodes.append(LiveNode(make, url or usual_url, *words))
         return nodes[-1]
 
@@ -277,12 +272,10 @@ def _node_starter(usual_url: str) -> Iterator[Callable[..., LiveNode]]:
 
 
 @pytest.fixture(scope="session")
-def lcmtools_process() -> Callable[..., subprocess.CompletedProcess[str]]:
+def lcmtools_process():
     """``lcmtools_process("list", "-v", **environment)``: the installed command, in a process."""
 
-    def run(
-        *arguments: str, stdin: str = "", timeout: float = 40.0, **environment: str
-    ) -> subprocess.CompletedProcess[str]:
+    def run(*arguments, stdin="", timeout=40.0, **environment):
         return subprocess.run(
             [COMMAND, *arguments],
             input=stdin,
@@ -297,19 +290,19 @@ def lcmtools_process() -> Callable[..., subprocess.CompletedProcess[str]]:
 
 
 @pytest.fixture(scope="session")
-def lcmtools_path() -> str:
+def lcmtools_path():
     """The installed command, for ``start``."""
     return COMMAND
 
 
 @pytest.fixture(scope="session")
-def lcm_program() -> Callable[[str], str]:
+def lcm_program():
     """``lcm_program("lcm-sink")``: the path of a program that the lcm package brings.
 
     The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
     """
 
-    def find(name: str) -> str:
+    def find(name):
         path = Path(sysconfig.get_paths()["purelib"]) / "bin" / name
         assert path.exists(), path
         return str(path)
@@ -318,24 +311,22 @@ def lcm_program() -> Callable[[str], str]:
 
 
 @pytest.fixture(scope="module")
-def module_bus_url() -> Iterator[str]:
+def module_bus_url():
     """A bus that the tests of a module share."""
     with networks.reserve_port() as lock:
         yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
 
 
 @pytest.fixture(scope="module")
-def module_runtime(tmp_path_factory: pytest.TempPathFactory) -> str:
+def module_runtime(tmp_path_factory):
     """The folder of the records of a module's nodes, as users have one for all their programs."""
     return str(tmp_path_factory.mktemp("runtime"))
 
 
 @pytest.fixture(scope="module")
-def module_start(
-    module_bus_url: str, module_runtime: str, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Callable[..., Program]]:
+def module_start(module_bus_url, module_runtime, tmp_path_factory):
     """``start`` for processes that the tests of a module share, on the module's bus."""
-    programs: list[Program] = []
+    programs = []
     shared = {
         "LCM_DEFAULT_URL": module_bus_url,
         "XDG_RUNTIME_DIR": module_runtime,
@@ -344,7 +335,7 @@ def module_start(
         "XDG_STATE_HOME": str(tmp_path_factory.getbasetemp()),
     }
 
-    def run(*command: str, popen: Any = subprocess.Popen, **environment: str) -> Program:
+    def run(*command, popen=subprocess.Popen, **environment):
         directory = tmp_path_factory.mktemp("programs")
         programs.append(Program(command, directory, {**shared, **environment}, popen))
         return programs[-1]
@@ -355,15 +346,13 @@ def module_start(
 
 
 @pytest.fixture
-def use_module_bus(
-    module_bus_url: str, module_runtime: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def use_module_bus(module_bus_url, module_runtime, monkeypatch):
     """Let the commands of a test look at the module's bus and know of its nodes."""
     monkeypatch.setenv("LCM_DEFAULT_URL", module_bus_url)
     monkeypatch.setenv("XDG_RUNTIME_DIR", module_runtime)
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+def pytest_terminal_summary(terminalreporter):
     """Sum the faults suite up (tests/faults), whichever workers ran it."""
     told = [
         value

@@ -1,11 +1,10 @@
 """Every option and argument whose words can be known declares its completer."""
 
-from collections.abc import Iterator
 from importlib import import_module
 
 import pytest
 
-from lcmtools.cli.completion.tree import Argument, Option, describe
+from lcmtools.cli.completion.tree import Argument, describe
 
 NOT_KNOWN = {
     "bag filter words",
@@ -28,7 +27,7 @@ NOT_KNOWN = {
 KNOWN_OPTIONS = {"fields", "file", "lcm_url", "node", "ns", "output", "remap", "topics"}
 
 
-def parameters() -> Iterator[tuple[str, Option | Argument]]:
+def parameters():
     """Every option with a value and every argument, with the words of its command before it."""
     waiting = [""]
     while waiting:
@@ -43,14 +42,14 @@ def parameters() -> Iterator[tuple[str, Option | Argument]]:
 PARAMETERS = dict(parameters())
 
 
-def test_words_that_can_be_known_are_completed() -> None:
+def test_words_that_can_be_known_are_completed():
     arguments = {name for name, one in PARAMETERS.items() if isinstance(one, Argument)}
     options = {name for name, one in PARAMETERS.items() if name.split()[-1] in KNOWN_OPTIONS}
     without = {name for name in arguments | options if PARAMETERS[name].source == ""}
     assert {name.replace("interface", "msg") for name in without} <= NOT_KNOWN
 
 
-def test_every_completer_that_is_declared_exists() -> None:
+def test_every_completer_that_is_declared_exists():
     homes = {one.source for one in PARAMETERS.values() if isinstance(one.source, str)}
     for home in homes - {"", "files"}:
         module, _, function = home.partition(":")
@@ -75,8 +74,6 @@ def test_every_completer_that_is_declared_exists() -> None:
         ("launch node", "runnables:launched_nodes"),
     ],
 )
-def test_completer_is_the_one_for_the_parameters_words(
-    parameter: str, source: str | list[list[str]]
-) -> None:
+def test_completer_is_the_one_for_the_parameters_words(parameter, source):
     declared = PARAMETERS[parameter].source
     assert declared == source if isinstance(source, str) else declared[:2] == source

@@ -1,18 +1,14 @@
 """Text of files with sequences that control a terminal: printed escaped, wherever it comes from."""
 
 import re
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet
 
-Cli = Callable[..., Result]
 EVIL = "\x1b]0;evil\x07\x1b[31m\x9b31m"
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
@@ -50,7 +46,7 @@ COMMANDS = [
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """A folder with such files, the current one."""
     for name, text in FILES.items():
         path = tmp_path / name
@@ -66,7 +62,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("words", COMMANDS)
-def test_nothing_controls_the_terminal(words: str, cli: Cli) -> None:
+def test_nothing_controls_the_terminal(words, cli):
     result = cli(*words.split())
     assert result.out or result.err
     assert not CONTROL.search(result.out + result.err), result

@@ -114,7 +114,7 @@ SIBLINGS = [
 ]  # fmt: skip
 
 
-def translate(typed: str) -> tuple[list[str], str]:
+def translate(typed):
     """The command in place of one of ROS, or the error that there is none."""
     try:
         return instead("", shlex.split(typed)), ""
@@ -126,7 +126,7 @@ TEXTS = [*HUSKY, *PIONEER, *DOLLY]
 
 
 @pytest.mark.parametrize(("typed", "answer"), dict.fromkeys([*TEXTS, *SIBLINGS]))
-def test_every_command_has_an_answer(typed: str, answer: str) -> None:
+def test_every_command_has_an_answer(typed, answer):
     words, hint = translate(typed)
     if not words:
         assert answer in hint
@@ -138,6 +138,6 @@ def test_every_command_has_an_answer(typed: str, answer: str) -> None:
 
 
 @pytest.mark.parametrize("word", sorted({typed.split()[0] for typed, _ in TEXTS}))
-def test_every_command_of_the_texts_is_on_a_page(word: str) -> None:
+def test_every_command_of_the_texts_is_on_a_page(word):
     pages = (DOCS / f"coming-from-ros{number}.md" for number in (1, 2))
     assert any(f"`{word}" in page.read_text() for page in pages)

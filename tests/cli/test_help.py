@@ -2,7 +2,6 @@
 
 import importlib.metadata
 import sys
-from collections.abc import Iterator
 
 import click
 import pytest
@@ -11,12 +10,12 @@ from lcmtools import __version__
 from lcmtools.cli.main import main, root
 
 
-def tree(command: click.Command, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+def tree(command, path=()):
     """The words after "lcmtools" of every command, aliases too."""
     yield path
     if isinstance(command, click.Group):
         context = click.Context(command)
-        for name in command._entries:  # type: ignore[attr-defined] # aliases are not listed
+        for name in command._entries:
             below = command.get_command(context, name)
             assert below is not None
             yield from tree(below, (*path, name))
@@ -27,7 +26,7 @@ Captured = pytest.CaptureFixture[str]
 GROUPS = [path for path in COMMANDS if any(other[:-1] == path for other in COMMANDS if other)]
 
 
-def test_the_tree_has_the_commands_of_rostopic_and_rosnode() -> None:
+def test_the_tree_has_the_commands_of_rostopic_and_rosnode():
     verbs = {"list", "info", "echo", "pub", "hz", "type", "find", "bw", "delay"}
     assert {(verb,) for verb in verbs} <= set(COMMANDS)
     assert {("topic", verb) for verb in verbs} <= set(COMMANDS)
@@ -40,7 +39,7 @@ def test_the_tree_has_the_commands_of_rostopic_and_rosnode() -> None:
     assert {("srv", "list"), ("srv", "show"), ("wtf",), ("run",)} <= set(COMMANDS)
 
 
-def test_help_has_two_examples_that_begin_as_one_types_them(capsys: Captured) -> None:
+def test_help_has_two_examples_that_begin_as_one_types_them(capsys):
     for path in COMMANDS:
         assert main([*path, "--help"]) == 0, path
         text, error = capsys.readouterr()
@@ -57,7 +56,7 @@ def test_help_has_two_examples_that_begin_as_one_types_them(capsys: Captured) ->
         assert capsys.readouterr().out == text
 
 
-def test_help_of_a_group_has_a_line_for_each_command(capsys: Captured) -> None:
+def test_help_of_a_group_has_a_line_for_each_command(capsys):
     for group in GROUPS:
         main([*group, "--help"])
         _, _, table = capsys.readouterr().out.partition("Commands:\n")
@@ -70,9 +69,9 @@ def test_help_of_a_group_has_a_line_for_each_command(capsys: Captured) -> None:
         assert listed == below - aliases, group
 
 
-def test_usage_has_an_argument_with_a_default_in_brackets() -> None:
+def test_usage_has_an_argument_with_a_default_in_brackets():
     for path in COMMANDS:
-        command: click.Command = root
+        command = root
         for word in path:
             assert isinstance(command, click.Group)
             found = command.get_command(click.Context(command), word)
@@ -87,23 +86,21 @@ def test_usage_has_an_argument_with_a_default_in_brackets() -> None:
 @pytest.mark.parametrize(
     "verb", ["list", "info", "echo", "pub", "hz", "type", "find", "bw", "delay"]
 )
-def test_topic_verbs_are_the_same_commands_with_and_without_topic(verb: str) -> None:
+def test_topic_verbs_are_the_same_commands_with_and_without_topic(verb):
     context = click.Context(root)
     topic = root.get_command(context, "topic")
     assert isinstance(topic, click.Group)
     assert topic.get_command(context, verb) is root.get_command(context, verb)
 
 
-def test_version_names_lcmtools_lcm_and_python(capsys: Captured) -> None:
+def test_version_names_lcmtools_lcm_and_python(capsys):
     assert main(["--version"]) == 0
     python = ".".join(map(str, sys.version_info[:3]))
     lcm = importlib.metadata.version("lcm")
     assert capsys.readouterr().out == f"lcmtools {__version__} (lcm {lcm}, Python {python})\n"
 
 
-def test_without_a_command_the_help_goes_to_standard_error_with_exit_code_2(
-    capsys: Captured,
-) -> None:
+def test_without_a_command_the_help_goes_to_standard_error_with_exit_code_2(capsys):
     assert main([]) == 2
     out, error = capsys.readouterr()
     assert out == ""

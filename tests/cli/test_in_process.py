@@ -12,7 +12,7 @@ from lcmtools.cli.main import main
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-def state() -> tuple[object, ...]:
+def state():
     """The parts of this process that a command could change."""
     return (
         dict(os.environ),
@@ -38,9 +38,7 @@ def state() -> tuple[object, ...]:
     ],
     ids=lambda part: " ".join(part) if isinstance(part, list) else None,
 )
-def test_command_leaves_nothing_behind_in_the_process(
-    arguments: list[str], code: int, bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_leaves_nothing_behind_in_the_process(arguments, code, bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     main(arguments)  # what is imported for the first time may open a file for good
     before = state()
@@ -48,8 +46,8 @@ def test_command_leaves_nothing_behind_in_the_process(
     assert state() == before
 
 
-def test_command_runs_in_any_thread(bus_url: str, capsys: pytest.CaptureFixture[str]) -> None:
-    codes: list[int] = []
+def test_command_runs_in_any_thread(bus_url, capsys):
+    codes = []
     thread = threading.Thread(target=lambda: codes.append(main(["list", "--lcm-url", bus_url])))
     thread.start()
     thread.join(30)
@@ -57,9 +55,7 @@ def test_command_runs_in_any_thread(bus_url: str, capsys: pytest.CaptureFixture[
     assert capsys.readouterr().err == f"no topics on {bus_url}\n"
 
 
-def test_bus_is_looked_up_when_the_command_runs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bus_is_looked_up_when_the_command_runs(monkeypatch, capsys):
     for domain, port in (("3", 7670), ("4", 7671)):
         monkeypatch.setenv("LCMTOOLS_DOMAIN", domain)
         assert main(["config", "--json"]) == 0

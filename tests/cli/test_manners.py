@@ -1,7 +1,5 @@
 """The manners that show before there is a bus, over the whole tree of commands."""
 
-from collections.abc import Iterator
-
 import click
 import pytest
 
@@ -11,7 +9,7 @@ from lcmtools.cli.main import main, root
 Path = tuple[str, ...]
 
 
-def walk(command: click.Command, path: Path = ()) -> Iterator[tuple[Path, click.Command]]:
+def walk(command, path=()):
     """The words after "lcmtools" of every command that help lists."""
     yield path, command
     if isinstance(command, click.Group):
@@ -40,16 +38,16 @@ VALUED = [
 Captured = pytest.CaptureFixture[str]
 
 
-def named(path: Path) -> str:
+def named(path):
     return " ".join(("lcmtools", *path))
 
 
-def wrong_usage(path: Path) -> int:
+def wrong_usage(path):
     """The exit code of wrong usage: wtf's other codes are those of what it finds."""
     return 64 if path in (("wtf",), ("doctor",)) else 2
 
 
-def misspelt() -> Iterator[tuple[Path, str, str]]:
+def misspelt():
     """Commands with an option, and the option without its last letter, which is no other one."""
     for path, option in OPTIONS:
         command = TREE[path]
@@ -61,7 +59,7 @@ def misspelt() -> Iterator[tuple[Path, str, str]]:
                 yield path, name, name[:-1]
 
 
-def test_unknown_option_is_one_line_and_exit_code_2(capsys: Captured) -> None:
+def test_unknown_option_is_one_line_and_exit_code_2(capsys):
     for path in TREE:
         assert main([*path, "--verbse-bogus"]) == wrong_usage(path), path
         out, error = capsys.readouterr()
@@ -69,7 +67,7 @@ def test_unknown_option_is_one_line_and_exit_code_2(capsys: Captured) -> None:
         assert error.startswith(f"{named(path)}: "), path
 
 
-def test_misspelt_command_is_answered_with_the_one_that_was_meant(capsys: Captured) -> None:
+def test_misspelt_command_is_answered_with_the_one_that_was_meant(capsys):
     for path in GROUPS:
         command = TREE[path]
         assert isinstance(command, click.Group)
@@ -82,7 +80,7 @@ def test_misspelt_command_is_answered_with_the_one_that_was_meant(capsys: Captur
                 assert error.startswith(start), path
 
 
-def test_misspelt_option_is_answered_with_the_one_that_was_meant(capsys: Captured) -> None:
+def test_misspelt_option_is_answered_with_the_one_that_was_meant(capsys):
     cases = list(misspelt())
     assert len(cases) > 250
     assert len({path for path, _, _ in cases}) > len(LEAVES) * 0.9
@@ -93,15 +91,13 @@ def test_misspelt_option_is_answered_with_the_one_that_was_meant(capsys: Capture
         assert right in error.replace(wrong, "", 1), (path, wrong, error)
 
 
-def test_colour_and_debug_can_be_said_after_every_command() -> None:
+def test_colour_and_debug_can_be_said_after_every_command():
     for path, command in TREE.items():
         names = {name for parameter in command.params for name in parameter.opts}
         assert {"--color", "--no-color", "--debug"} <= names, path
 
 
-def test_help_is_plain_ascii_and_bears_a_terminal_of_40_columns(
-    capsys: Captured, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_help_is_plain_ascii_and_bears_a_terminal_of_40_columns(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     monkeypatch.setenv("FORCE_COLOR", "1")
     for path in TREE:
@@ -113,7 +109,7 @@ def test_help_is_plain_ascii_and_bears_a_terminal_of_40_columns(
         assert max(map(len, summary.splitlines())) <= 50, path  # click wraps no narrower
 
 
-def test_help_command_says_the_same_as_help_option(capsys: Captured) -> None:
+def test_help_command_says_the_same_as_help_option(capsys):
     for path in TREE:
         assert main([*path, "--help"]) == 0
         text = capsys.readouterr().out
@@ -121,7 +117,7 @@ def test_help_command_says_the_same_as_help_option(capsys: Captured) -> None:
         assert capsys.readouterr().out == text, path
 
 
-def test_help_needs_no_settings_that_can_be_read(capsys: Captured, broken_settings: None) -> None:
+def test_help_needs_no_settings_that_can_be_read(capsys, broken_settings):
     del broken_settings
     for path in LEAVES:
         assert main([*path, "--help"]) == 0, path
@@ -129,7 +125,7 @@ def test_help_needs_no_settings_that_can_be_read(capsys: Captured, broken_settin
 
 
 @pytest.fixture
-def broken_settings(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
+def broken_settings(tmp_path, monkeypatch):
     """A settings file that is no YAML."""
     import pathlib
 
@@ -139,7 +135,7 @@ def broken_settings(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
 
 
-def test_value_of_an_option_may_begin_with_a_minus() -> None:
+def test_value_of_an_option_may_begin_with_a_minus():
     """Such a word is not taken for an option; it may make no sense."""
     for path, option in VALUED:
         command = TREE[path]
@@ -148,7 +144,7 @@ def test_value_of_an_option_may_begin_with_a_minus() -> None:
         assert values[option.name] in ("-1", ["-1"]), path
 
 
-def test_time_spans_are_said_in_milliseconds_seconds_and_minutes() -> None:
+def test_time_spans_are_said_in_milliseconds_seconds_and_minutes():
     spans = [row for row in VALUED if row[1].name in ("timeout", "wait", "duration", "period")]
     assert len(spans) > 20
     for path, option in spans:
@@ -158,12 +154,12 @@ def test_time_spans_are_said_in_milliseconds_seconds_and_minutes() -> None:
         assert option.name != "timeout" or option.envvar == "LCMTOOLS_TIMEOUT", path
 
 
-def test_a_duration_says_what_it_may_be() -> None:
+def test_a_duration_says_what_it_may_be():
     with pytest.raises(click.BadParameter, match="write 500ms, 2s or 1m"):
         duration("soon")
 
 
-def test_root_help_names_exit_codes_and_environment(capsys: Captured) -> None:
+def test_root_help_names_exit_codes_and_environment(capsys):
     main(["--help"])
     text = capsys.readouterr().out
     for code in (
@@ -180,8 +176,8 @@ def test_root_help_names_exit_codes_and_environment(capsys: Captured) -> None:
         assert variable in text
 
 
-def test_debug_after_the_command_shows_the_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail() -> None:
+def test_debug_after_the_command_shows_the_traceback(monkeypatch):
+    def fail():
         raise ZeroDivisionError
 
     monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)
@@ -190,7 +186,7 @@ def test_debug_after_the_command_shows_the_traceback(monkeypatch: pytest.MonkeyP
         main(["msg", "list", "--debug"])
 
 
-def test_failure_of_a_command_with_json_is_told_in_json(capsys: Captured, bus_url: str) -> None:
+def test_failure_of_a_command_with_json_is_told_in_json(capsys, bus_url):
     import json
 
     assert main(["info", "--json", "/nothing", "--lcm-url", bus_url]) == 1
@@ -202,6 +198,6 @@ def test_failure_of_a_command_with_json_is_told_in_json(capsys: Captured, bus_ur
     }
 
 
-def test_wrong_usage_is_told_in_words_even_with_json(capsys: Captured) -> None:
+def test_wrong_usage_is_told_in_words_even_with_json(capsys):
     assert main(["list", "--json", "--wait", "soon"]) == 2
     assert capsys.readouterr().err.startswith("lcmtools list: invalid value for '--wait'")

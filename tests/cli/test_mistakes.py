@@ -6,7 +6,6 @@ The mistakes are in the folder mistakes, as in a terminal.
 import re
 import shlex
 import sysconfig
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,8 +16,6 @@ from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.cli.main import main
 from lcmtools.names import is_hidden
-
-Complaint = Callable[[str], tuple[int, str]]
 
 _VARIABLE = re.compile(r"\w+=")
 COMMANDS_WITH_BUS = [
@@ -41,7 +38,7 @@ COMMANDS_WITH_BUS = [
 ]
 
 
-def read_mistakes() -> Iterator[tuple[str, int, str]]:
+def read_mistakes():
     """The line that is typed, the exit code, and the line that comes back."""
     for file in sorted((Path(__file__).parent / "mistakes").glob("*.txt")):
         code = 2
@@ -57,7 +54,7 @@ MISTAKES = list(read_mistakes())
 
 
 @pytest.fixture(autouse=True)
-def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _files(tmp_path, monkeypatch):
     """A folder with files that are no messages."""
     (tmp_path / "empty.yaml").touch()
     (tmp_path / "dashes.yaml").write_text("---\n---\n")
@@ -69,12 +66,10 @@ def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def complaint(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Complaint]:
+def complaint(capsys, monkeypatch):
     """Runs a command line; gives its exit code and the one line that it wrote."""
 
-    def run(typed: str) -> tuple[int, str]:
+    def run(typed):
         words = shlex.split(typed)
         while _VARIABLE.match(words[0]):
             name, _, value = words.pop(0).partition("=")
@@ -90,14 +85,7 @@ def complaint(
 
 
 @pytest.mark.parametrize(("typed", "code", "line"), MISTAKES, ids=[row[0] for row in MISTAKES])
-def test_mistake_costs_one_line(
-    typed: str,
-    code: int,
-    line: str,
-    complaint: Complaint,
-    bus_url: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_mistake_costs_one_line(typed, code, line, complaint, bus_url, monkeypatch):
     if "--domain" not in typed:  # a URL would win over it
         monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     with Tap(parse_url(bus_url)) as tap:
@@ -106,7 +94,7 @@ def test_mistake_costs_one_line(
     assert {channel for channel in sent if not is_hidden(channel)} == set()  # nothing was sent
 
 
-def test_there_are_mistakes_of_every_kind_for_every_command() -> None:
+def test_there_are_mistakes_of_every_kind_for_every_command():
     wrong = {typed.partition("lcmtools ")[2] for typed, _, _ in MISTAKES}
     paths = [" ".join(words[1:]) for words in commands() if words[1:2] != ("topic",)]
     assert [
@@ -127,9 +115,7 @@ def test_there_are_mistakes_of_every_kind_for_every_command() -> None:
         ("msg list --domain 3", " msg list", "--domain"),
     ],
 )
-def test_unknown_option_costs_one_line_and_exit_code_2(
-    typed: str, command: str, option: str, complaint: Complaint
-) -> None:
+def test_unknown_option_costs_one_line_and_exit_code_2(typed, command, option, complaint):
     code, line = complaint(typed)
     assert code == 2
     # what click says of it, and what it suggests instead, depends on click's version
@@ -138,9 +124,7 @@ def test_unknown_option_costs_one_line_and_exit_code_2(
 
 
 @pytest.mark.parametrize(("command", "arguments"), COMMANDS_WITH_BUS)
-def test_bad_domain_in_the_environment_is_named(
-    command: str, arguments: str, complaint: Complaint, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bad_domain_in_the_environment_is_named(command, arguments, complaint, monkeypatch):
     monkeypatch.setenv("LCMTOOLS_DOMAIN", "x")
     line = "LCMTOOLS_DOMAIN 'x' is not a domain; a domain is a number from 0 to 232"
     name = "run talker" if command == "run" else command
@@ -148,9 +132,7 @@ def test_bad_domain_in_the_environment_is_named(
 
 
 @pytest.mark.parametrize(("command", "arguments"), COMMANDS_WITH_BUS)
-def test_url_without_a_port_in_the_environment_is_named(
-    command: str, arguments: str, complaint: Complaint, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_url_without_a_port_in_the_environment_is_named(command, arguments, complaint, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67")
     line = "the port is missing; write 'udpm://239.255.76.67:7667?ttl=0'"
     name = "run talker" if command == "run" else command
@@ -160,28 +142,21 @@ def test_url_without_a_port_in_the_environment_is_named(
     )
 
 
-def test_channel_that_is_no_utf_8_is_refused(complaint: Complaint) -> None:
+def test_channel_that_is_no_utf_8_is_refused(complaint):
     assert complaint("pub --literal a\udcff std_msgs/String x") == (
         2,
         "lcmtools pub: 'a\\udcff' is not UTF-8; nodes cannot use other channels",
     )
 
 
-def test_url_that_wins_over_a_domain_says_so(
-    capsys: pytest.CaptureFixture[str], bus_url: str
-) -> None:
+def test_url_that_wins_over_a_domain_says_so(capsys, bus_url):
     assert main(["list", "--domain", "3", "--lcm-url", bus_url]) == 0
     error = capsys.readouterr().err
     assert error.splitlines()[0] == "lcmtools: --domain 3 has no effect: --lcm-url takes precedence"
 
 
 @pytest.mark.parametrize("command", ["list", "config", "relay {url} {url}"])
-def test_an_option_of_a_url_that_has_no_effect_is_named(
-    command: str,
-    bus_url: str,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_option_of_a_url_that_has_no_effect_is_named(command, bus_url, capsys, monkeypatch):
     url = f"{bus_url}&tt1=1"
     monkeypatch.setenv("LCM_DEFAULT_URL", url)
     main(command.format(url=url).split())
@@ -190,10 +165,8 @@ def test_an_option_of_a_url_that_has_no_effect_is_named(
     assert capsys.readouterr().err.splitlines()[0] == f"lcmtools: {source} {note}"
 
 
-def test_fault_of_its_own_is_one_line_and_a_traceback_only_with_debug(
-    complaint: Complaint, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail() -> None:
+def test_fault_of_its_own_is_one_line_and_a_traceback_only_with_debug(complaint, monkeypatch):
+    def fail():
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)

@@ -1,9 +1,5 @@
 """msg build says what it has done, also where there was nothing to do."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 
@@ -15,9 +11,7 @@ import pytest
         ("struct a_t { int32_t x; }\nstruct b_t { a_t a; }", "2 types compiled in "),
     ],
 )
-def test_msg_build_says_what_was_done(
-    structs: str, said: str, tmp_path: Path, cli: Callable[..., Any]
-) -> None:
+def test_msg_build_says_what_was_done(structs, said, tmp_path, cli):
     (tmp_path / "own.lcm").write_text(f"package own;\n{structs}")
     done = cli("msg", "build", str(tmp_path))
     assert done.code == 0

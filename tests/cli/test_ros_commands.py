@@ -2,12 +2,8 @@
 
 import re
 import subprocess
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from click import Command
 
 from lcmtools.cli.bag.play import command as play
 from lcmtools.cli.bag.record import command as record
@@ -19,8 +15,6 @@ from lcmtools.cli.ros import instead
 from lcmtools.cli.topic.pub import command as pub
 from lcmtools.errors import UsageError
 from lcmtools.ros_words.commands import COMMANDS, OPTIONS
-
-Run = Callable[..., Any]
 
 
 @pytest.mark.parametrize(
@@ -69,9 +63,7 @@ Run = Callable[..., Any]
         ("rosrun rqt_image_view rqt_image_view /camera", "run image_view image:=/camera"),
     ],
 )  # fmt: skip
-def test_a_command_of_ros_becomes_the_one_that_is_meant(
-    typed: str, meant: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_of_ros_becomes_the_one_that_is_meant(typed, meant, capsys):
     assert " ".join(instead("", typed.split())) == meant
     assert capsys.readouterr().err == f"{typed.split(maxsplit=1)[0]} is here: lcmtools {meant}\n"
 
@@ -79,9 +71,7 @@ def test_a_command_of_ros_becomes_the_one_that_is_meant(
 @pytest.mark.parametrize(
     "value", ["data: 'a\nb'", "a\tb\\n", "it's \x1b[2J\u0085 ü 你\n", "plain", "two words"]
 )
-def test_the_translated_command_can_be_pasted_into_a_shell(
-    value: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_translated_command_can_be_pasted_into_a_shell(value, capsys):
     instead("", ["rostopic", "pub", "/chatter", "std_msgs/String", value])
     (line,) = capsys.readouterr().err.splitlines()
     typed = line.partition("lcmtools ")[2]
@@ -92,22 +82,20 @@ def test_the_translated_command_can_be_pasted_into_a_shell(
     assert found.stdout == f"topic|pub|/chatter|std_msgs/String|{value}|"
 
 
-def test_a_dependency_without_messages_is_left_out_and_named(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_dependency_without_messages_is_left_out_and_named(capsys):
     words = ["catkin_create_pkg", "air_lab0", "rospy", "tf2_ros", "nav_msgs"]
     assert instead("", words) == ["pkg", "create", "air_lab0", "--deps", "nav_msgs"]
     assert "no messages in tf2_ros, which is left out" in capsys.readouterr().err
 
 
-def test_other_words_are_no_commands_of_ros() -> None:
+def test_other_words_are_no_commands_of_ros():
     assert instead("", ["lisst"]) == []
     assert instead("topic", ["rosfoo"]) == []
     with pytest.raises(UsageError):
         instead("param", ["delete", "/a/b"])
 
 
-def test_what_is_meant_is_done(cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_meant_is_done(cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     made = cli("catkin_create_pkg", "air_lab0", "roscpp", "rospy", "nav_msgs")
     assert made.code == 0
@@ -122,7 +110,7 @@ def test_what_is_meant_is_done(cli: Run, tmp_path: Path, monkeypatch: pytest.Mon
     )
 
 
-def test_a_node_whose_package_has_its_name_is_run(cli: Run) -> None:
+def test_a_node_whose_package_has_its_name_is_run(cli):
     said = cli("run", "image_view", "image_view", "--foo").err
     assert said.startswith("lcmtools run image_view: unknown argument '--foo'")
 
@@ -136,14 +124,12 @@ def test_a_node_whose_package_has_its_name_is_run(cli: Run) -> None:
          {"output": "a", "split": "1GB", "max_files": 3}),
     ],
 )  # fmt: skip
-def test_options_of_rosbag_have_its_meaning(
-    command: Command, typed: str, read: dict[str, object]
-) -> None:
+def test_options_of_rosbag_have_its_meaning(command, typed, read):
     assert read.items() <= command.make_context("", typed.split()).params.items()
 
 
 @pytest.mark.parametrize("option", ["-y", "--yes", "-s", "--substitute-keywords", "--hide-type"])
-def test_an_option_without_effect_is_accepted_and_not_shown(option: str) -> None:
+def test_an_option_without_effect_is_accepted_and_not_shown(option):
     command, typed, path = {
         "y": (cleanup, "", "node cleanup"),
         "s": (pub, "/chatter std_msgs/String", "topic pub"),
@@ -162,12 +148,12 @@ HINTS = [*COMMANDS.values(), *OPTIONS.values()]
 
 
 @pytest.mark.parametrize("words", sorted({hint for hint in HINTS if isinstance(hint, tuple)}))
-def test_the_words_in_place_of_a_command_of_ros_are_a_command(words: tuple[str, ...]) -> None:
+def test_the_words_in_place_of_a_command_of_ros_are_a_command(words):
     assert describe(words[:1]) is not None
 
 
 @pytest.mark.parametrize("hint", sorted({hint for hint in HINTS if isinstance(hint, str)}))
-def test_a_hint_names_commands_that_exist(hint: str) -> None:
+def test_a_hint_names_commands_that_exist(hint):
     for words in re.findall(
         r"lcmtools ((?!finds)[a-z][a-z-]*(?: (?!opens)[a-z][a-z0-9-]*)?)", hint
     ):

@@ -2,12 +2,10 @@
 
 import os
 import resource
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 from fixtures.limits import as_an_ordinary_user, cpu_limit
 
 from lcmtools.errors import InvalidFile
@@ -16,12 +14,11 @@ from lcmtools.labs.checks.submissions import copy_submission
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 
-Cli = Callable[..., Result]
 _MEMORY = 1 << 30  # bytes more than the process has
 
 
 @pytest.fixture(autouse=True)
-def _little_memory() -> Iterator[None]:
+def _little_memory():
     before = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + _MEMORY, before[1]))
@@ -36,10 +33,10 @@ KINDS = (
 
 
 @pytest.fixture(params=KINDS)
-def strange(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Path]:
+def strange(request, tmp_path):
     """A path of which nothing can be read, or no end."""
     path = tmp_path / "strange.yaml"
-    kind: str = request.param
+    kind = request.param
     with ExitStack() as stack:
         if kind == "/dev/zero":
             path.symlink_to("/dev/zero")
@@ -102,9 +99,7 @@ FILES = {
 
 
 @pytest.mark.parametrize(("command", "strange"), CASES, indirect=["strange"])
-def test_it_is_refused_in_one_line(
-    command: str, strange: Path, cli: Cli, tmp_path: Path, bus_url: str
-) -> None:
+def test_it_is_refused_in_one_line(command, strange, cli, tmp_path, bus_url):
     for name, text in FILES.items():
         (tmp_path / name).write_text(text.format(path=strange))
     (tmp_path / "a.lcmlog").touch()
@@ -127,7 +122,7 @@ def test_it_is_refused_in_one_line(
 
 
 @pytest.mark.parametrize("strange", [one for one in KINDS if one != "a directory"], indirect=True)
-def test_a_type_is_refused_in_one_line(strange: Path, tmp_path: Path) -> None:
+def test_a_type_is_refused_in_one_line(strange, tmp_path):
     environment = {"LCMTOOLS_TYPE_PATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
     (tmp_path / "Own.lcm").symlink_to(strange)
     source = UserTypes(environment, [], FINGERPRINTS).workspace()
@@ -136,7 +131,7 @@ def test_a_type_is_refused_in_one_line(strange: Path, tmp_path: Path) -> None:
     assert any(one in str(problem.error()) for one in REASONS)
 
 
-def test_a_pipe_within_a_submission_is_left_out(tmp_path: Path) -> None:
+def test_a_pipe_within_a_submission_is_left_out(tmp_path):
     submission, own = tmp_path / "a", tmp_path / "own"
     submission.mkdir()
     os.mkfifo(submission / "pipe")
@@ -146,7 +141,7 @@ def test_a_pipe_within_a_submission_is_left_out(tmp_path: Path) -> None:
     assert sorted(path.name for path in own.iterdir()) == ["a.py", "link"]
 
 
-def test_a_file_may_have_so_many_bytes_and_a_shells_pipe_is_read(tmp_path: Path) -> None:
+def test_a_file_may_have_so_many_bytes_and_a_shells_pipe_is_read(tmp_path):
     path = tmp_path / "a.txt"
     path.write_bytes(bytes(LARGEST))
     assert len(read_bytes(path)) == LARGEST

@@ -1,19 +1,16 @@
 """msg and srv: what they say of the types, and that pub takes what msg proto prints."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-Run = Callable[..., Any]
 
 TWIST = "linear:\n  x: 0.0\n  y: 0.0\n  z: 0.0\nangular:\n  x: 0.0\n  y: 0.0\n  z: 0.0\n"
 
 
-def test_msg_package_lists_the_types_of_a_package(cli: Run) -> None:
+def test_msg_package_lists_the_types_of_a_package(cli):
     result = cli("msg", "package", "tf2_msgs")
     assert (result.code, result.err) == (0, "")
     assert result.out == "tf2_msgs/TF2Error\ntf2_msgs/TFMessage\n"
@@ -27,13 +24,13 @@ def test_msg_package_lists_the_types_of_a_package(cli: Run) -> None:
     ("name", "hint"),
     [("geometry_msg", "did you mean geometry_msgs?"), ("zzz", "see: lcmtools msg packages")],
 )
-def test_msg_package_of_an_unknown_package_is_exit_code_2(name: str, hint: str, cli: Run) -> None:
+def test_msg_package_of_an_unknown_package_is_exit_code_2(name, hint, cli):
     result = cli("msg", "package", name)
     assert (result.code, result.out) == (2, "")
     assert result.err == f"lcmtools msg package: unknown package '{name}'; {hint}\n"
 
 
-def test_msg_packages_lists_each_package_once(cli: Run) -> None:
+def test_msg_packages_lists_each_package_once(cli):
     rows = cli("msg", "packages").out.splitlines()
     assert rows == sorted(set(rows))
     assert {"geometry_msgs", "std_msgs", "sensor_msgs"} <= set(rows)
@@ -42,12 +39,12 @@ def test_msg_packages_lists_each_package_once(cli: Run) -> None:
 
 @pytest.mark.parametrize("verb", ["fingerprint", "md5"])
 @pytest.mark.parametrize("name", ["geometry_msgs/Vector3", "geometry_msgs.Vector3"])
-def test_msg_fingerprint_prints_sixteen_digits(verb: str, name: str, cli: Run) -> None:
+def test_msg_fingerprint_prints_sixteen_digits(verb, name, cli):
     result = cli("msg", verb, name)
     assert (result.code, result.out, result.err) == (0, "ae7e5fba5eeca11e\n", "")
 
 
-def test_msg_fingerprint_of_a_short_name_names_every_type_called_so(cli: Run) -> None:
+def test_msg_fingerprint_of_a_short_name_names_every_type_called_so(cli):
     assert cli("msg", "fingerprint", "Vector3").out == (
         "[geometry_msgs/Vector3]: ae7e5fba5eeca11e\n"
     )
@@ -62,7 +59,7 @@ def test_msg_fingerprint_of_a_short_name_names_every_type_called_so(cli: Run) ->
 
 
 @pytest.mark.parametrize("verb", ["fingerprint", "proto"])
-def test_unknown_type_is_exit_code_2_with_a_near_miss(verb: str, cli: Run) -> None:
+def test_unknown_type_is_exit_code_2_with_a_near_miss(verb, cli):
     result = cli("msg", verb, "Twits")
     assert (result.code, result.out) == (2, "")
     assert result.err == (
@@ -70,7 +67,7 @@ def test_unknown_type_is_exit_code_2_with_a_near_miss(verb: str, cli: Run) -> No
     )
 
 
-def test_msg_find_field_prints_types_with_the_field(cli: Run) -> None:
+def test_msg_find_field_prints_types_with_the_field(cli):
     result = cli("msg", "find-field", "angular")
     assert (result.code, result.err) == (0, "")
     assert result.out == (
@@ -83,7 +80,7 @@ def test_msg_find_field_prints_types_with_the_field(cli: Run) -> None:
     }
 
 
-def test_msg_find_field_that_no_type_has_is_exit_code_1_with_a_near_miss(cli: Run) -> None:
+def test_msg_find_field_that_no_type_has_is_exit_code_1_with_a_near_miss(cli):
     result = cli("msg", "find-field", "angluar")
     assert (result.code, result.out) == (1, "")
     assert result.err == (
@@ -92,12 +89,8 @@ def test_msg_find_field_that_no_type_has_is_exit_code_1_with_a_near_miss(cli: Ru
 
 
 def test_msg_proto_prints_yaml_that_pub_takes_unchanged(
-    cli: Run,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    cli, start, lcmtools_path, bus_url, monkeypatch
+):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     prototype = cli("msg", "proto", "Twist")
     assert (prototype.code, prototype.out, prototype.err) == (0, TWIST, "")
@@ -106,13 +99,13 @@ def test_msg_proto_prints_yaml_that_pub_takes_unchanged(
     assert echo.replace(": \n", ":\n") == f"{TWIST}---\n"
 
 
-def test_msg_proto_json_is_one_line(cli: Run) -> None:
+def test_msg_proto_json_is_one_line(cli):
     result = cli("msg", "proto", "--json", "std_msgs/String")
     assert result.out.count("\n") == 1
     assert json.loads(result.out) == {"data": ""}
 
 
-def test_srv_list_prints_the_service_types(cli: Run) -> None:
+def test_srv_list_prints_the_service_types(cli):
     result = cli("srv", "list")
     listed = result.out.splitlines()
     assert (result.code, result.err) == (0, "")
@@ -123,7 +116,7 @@ def test_srv_list_prints_the_service_types(cli: Run) -> None:
     assert json.loads(cli("srv", "list", "--json").out) == listed
 
 
-def test_srv_show_prints_request_and_response(cli: Run) -> None:
+def test_srv_show_prints_request_and_response(cli):
     text = "bool data\n---\nbool success\nstring message\n"
     assert cli("srv", "show", "std_srvs/srv/SetBool").out == text
     assert cli("interface", "show", "std_srvs/srv/SetBool").out == text  # as in ROS 2
@@ -136,7 +129,7 @@ def test_srv_show_prints_request_and_response(cli: Run) -> None:
     }
 
 
-def test_srv_show_of_an_unknown_type_is_exit_code_2_with_a_near_miss(cli: Run) -> None:
+def test_srv_show_of_an_unknown_type_is_exit_code_2_with_a_near_miss(cli):
     result = cli("srv", "show", "std_srvs/Triger")
     assert (result.code, result.out) == (2, "")
     assert result.err == (
@@ -145,7 +138,7 @@ def test_srv_show_of_an_unknown_type_is_exit_code_2_with_a_near_miss(cli: Run) -
     )
 
 
-def test_msg_show_r_prints_the_file_with_its_comments(cli: Run) -> None:
+def test_msg_show_r_prints_the_file_with_its_comments(cli):
     file = ROOT / "lcm_types" / "sensor_msgs" / "LaserScan.lcm"
     result = cli("msg", "show", "-r", "LaserScan")
     said = result.err.removeprefix("types are spelt as in LCM; this is ").rstrip("\n")
@@ -154,7 +147,7 @@ def test_msg_show_r_prints_the_file_with_its_comments(cli: Run) -> None:
     assert "// [rad] from one beam to the next" in result.out
 
 
-def test_srv_show_r_prints_both_files(cli: Run) -> None:
+def test_srv_show_r_prints_both_files(cli):
     folder = ROOT / "lcm_types" / "std_srvs"
     request, response = (
         (folder / f"SetBool_{part}.lcm").read_text().strip() for part in ("Request", "Response")

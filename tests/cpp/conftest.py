@@ -4,7 +4,6 @@ import fcntl
 import os
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,7 @@ from lcmtools.packages.cpp import compiler_flags, cpp_folder
 PROGRAMS = Path(__file__).parent / "programs"
 
 
-def _once(folder: Path, make: Callable[[], None]) -> None:
+def _once(folder, make):
     """Make something unless another worker of pytest-xdist has done so."""
     folder.mkdir(exist_ok=True)
     with (folder / "lock").open("w") as lock:
@@ -25,23 +24,23 @@ def _once(folder: Path, make: Callable[[], None]) -> None:
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(tmp_path_factory):
     """A folder for this run that all workers share."""
     own = tmp_path_factory.getbasetemp()
     return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
 
 
 @pytest.fixture(scope="session")
-def compiler() -> str:
+def compiler():
     """A C++ compiler."""
     return shutil.which("g++") or pytest.skip("no g++ to compile C++ programs with")
 
 
 @pytest.fixture(scope="session")
-def compiled(built: Path) -> Callable[..., Path]:
+def compiled(built):
     """``compiled("name", *command)``: the program that a compiler makes."""
 
-    def compile_once(name: str, *command: object) -> Path:
+    def compile_once(name, *command):
         program = built / f"cpp-{name}" / name
         _once(program.parent, lambda: _run(*command, "-o", program))
         return program
@@ -50,21 +49,21 @@ def compiled(built: Path) -> Callable[..., Path]:
 
 
 @pytest.fixture(scope="session")
-def tables(compiled: Callable[..., Path], compiler: str) -> Path:
+def tables(compiled, compiler):
     """The program tables.cpp, compiled with the flags that ``pkg cpp-path --flags`` prints."""
     warnings = ("-O0", "-Wall", "-Wextra", "-Werror")
     return compiled("tables", compiler, *warnings, PROGRAMS / "tables.cpp", *compiler_flags())
 
 
 @pytest.fixture(scope="session")
-def node_program(built: Path, compiler: str, lcmtools_path: str) -> Path:
+def node_program(built, compiler, lcmtools_path):
     """The program node.cpp, built by CMake with ``find_package(lcmtools)``."""
     del compiler
     cmake = shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
     folder = built / "cpp-node"
     options = (f"-DCMAKE_PREFIX_PATH={cpp_folder()}", f"-DLCMTOOLS_PROGRAM={lcmtools_path}")
 
-    def make() -> None:
+    def make():
         _run(cmake, "-S", PROGRAMS, "-B", folder, "-DCMAKE_CXX_FLAGS=-O0", *options)
         _run(cmake, "--build", folder)
 
@@ -72,6 +71,6 @@ def node_program(built: Path, compiler: str, lcmtools_path: str) -> Path:
     return folder / "node"
 
 
-def _run(*command: object) -> None:
+def _run(*command):
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -3,13 +3,10 @@
 import json
 import shutil
 import signal
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
-from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools import __version__
@@ -19,12 +16,11 @@ from lcmtools.messages.codec import encode
 from lcmtools.packages.cpp import compiler_flags, cpp_folder
 from lcmtools.types import lcmtools_msgs as msgs
 
-Cli = Callable[..., Any]
 _STRICT = ("-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsanitize=address,undefined")
 
 
 @pytest.fixture(params=["c", "cpp"])
-def program(request: pytest.FixtureRequest, compiled: Callable[..., Path], compiler: str) -> Path:
+def program(request, compiled, compiler):
     """The program announcer.c or announcer.cpp, in the oldest language that it is for."""
     gcc = shutil.which("gcc") or pytest.skip("no gcc to compile C programs with")
     languages = {"c": (gcc, "-std=c99", "-D_XOPEN_SOURCE=700"), "cpp": (compiler, "-std=c++11")}
@@ -35,13 +31,11 @@ def program(request: pytest.FixtureRequest, compiled: Callable[..., Path], compi
 
 
 @pytest.fixture
-def announce(
-    program: Path, start: Callable[..., Program], bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> Callable[..., Program]:
+def announce(program, start, bus_url, monkeypatch):
     """``announce("/arm/driver", "listen")``: the program, once it has said all of itself."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
-    def begin(*words: str) -> Program:
+    def begin(*words):
         running = start(str(program), *words)
         running.wait_for("ready")
         return running
@@ -50,9 +44,7 @@ def announce(
 
 
 @pytest.mark.parametrize("mode", ["publish", "listen"])
-def test_it_is_listed_with_its_topics(
-    mode: str, announce: Callable[..., Program], cli: Cli
-) -> None:
+def test_it_is_listed_with_its_topics(mode, announce, cli):
     running = announce("lidar_driver", mode)
     assert cli("node", "list").out == "/lidar_driver\n"
     (record,) = json.loads(cli("node", "info", "/lidar_driver", "--json").out)
@@ -62,10 +54,8 @@ def test_it_is_listed_with_its_topics(
     assert heard == (mode == "listen")
 
 
-def test_its_announcement_has_the_bytes_of_python(
-    announce: Callable[..., Program], bus_url: str
-) -> None:
-    payloads: list[bytes] = []
+def test_its_announcement_has_the_bytes_of_python(announce, bus_url):
+    payloads = []
     bus = lcm.LCM(bus_url)
     bus.subscribe(protocol.NODE_CHANNEL, lambda _, data: payloads.append(data))
     running = announce("driver", "listen")
@@ -83,9 +73,7 @@ def test_its_announcement_has_the_bytes_of_python(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE])
-def test_a_signal_ends_it_with_a_goodbye(
-    number: int, announce: Callable[..., Program], cli: Cli
-) -> None:
+def test_a_signal_ends_it_with_a_goodbye(number, announce, cli):
     running = announce("driver", "listen")
     assert cli("node", "list").out == "/driver\n"
     running.send_signal(number)
@@ -94,9 +82,7 @@ def test_a_signal_ends_it_with_a_goodbye(
 
 
 @pytest.mark.parametrize(("mode", "code"), [("publish", 0), ("exit", 3)])
-def test_its_end_is_a_goodbye(
-    mode: str, code: int, announce: Callable[..., Program], cli: Cli
-) -> None:
+def test_its_end_is_a_goodbye(mode, code, announce, cli):
     running = announce("driver", mode)
     assert cli("node", "list").out == "/driver\n"
     running.send_signal(signal.SIGUSR1)
@@ -104,18 +90,18 @@ def test_its_end_is_a_goodbye(
     assert cli("node", "list").out == ""
 
 
-def test_node_kill_ends_it(announce: Callable[..., Program], cli: Cli) -> None:
+def test_node_kill_ends_it(announce, cli):
     running = announce("driver", "listen")
     assert cli("node", "kill", "/driver").code == 0
     assert running.wait() == -signal.SIGTERM
 
 
-def test_node_ping_reaches_it(announce: Callable[..., Program], cli: Cli) -> None:
+def test_node_ping_reaches_it(announce, cli):
     announce("driver", "listen")
     assert cli("node", "ping", "/driver", "-c", "1").code == 0
 
 
-def test_a_killed_one_is_noticed(announce: Callable[..., Program], cli: Cli) -> None:
+def test_a_killed_one_is_noticed(announce, cli):
     running = announce("driver", "publish")
     running.send_signal(signal.SIGKILL)
     running.wait()
@@ -123,14 +109,12 @@ def test_a_killed_one_is_noticed(announce: Callable[..., Program], cli: Cli) -> 
 
 
 @pytest.mark.parametrize("name", ["", "/", "a b", "1a", "a//b", "a/", "x" * 63])
-def test_an_illegal_name_is_said_in_one_line_and_the_program_goes_on(
-    name: str, announce: Callable[..., Program], cli: Cli
-) -> None:
+def test_an_illegal_name_is_said_in_one_line_and_the_program_goes_on(name, announce, cli):
     running = announce(name, "listen")
     (line,) = (one for one in running.lines if one != "ready")
     assert_says(line, f"lcmtools: '{name}' is not a legal node name")
     assert cli("node", "list").out == ""
 
 
-def test_the_version_is_that_of_lcmtools() -> None:
+def test_the_version_is_that_of_lcmtools():
     assert f'"lcmtools C {__version__}"' in (cpp_folder() / "lcmtools.h").read_text()

@@ -2,11 +2,8 @@
 
 import re
 import signal
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
-from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools.packages.cpp import cpp_folder
@@ -34,12 +31,7 @@ CASES = {
 
 
 @pytest.fixture
-def fault(
-    node_program: Path,
-    start: Callable[..., Program],
-    bus_url: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> Callable[..., Program]:
+def fault(node_program, start, bus_url, monkeypatch):
     """``fault(case, place)``: the program errors.cpp."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     return lambda *words: start(str(node_program.with_name("errors")), *words)
@@ -47,9 +39,7 @@ def fault(
 
 @pytest.mark.parametrize("place", ["main", "constructor"])
 @pytest.mark.parametrize("case", CASES)
-def test_it_is_one_line(
-    case: str, place: str, fault: Callable[..., Program], cli: Callable[..., object]
-) -> None:
+def test_it_is_one_line(case, place, fault, cli):
     program = fault(case, place)
     assert program.wait() == 1
     (line,) = program.lines
@@ -57,29 +47,27 @@ def test_it_is_one_line(
     assert "/faulty" not in str(cli("node", "list"))
 
 
-def test_on_another_thread_it_ends_the_program(fault: Callable[..., Program]) -> None:
+def test_on_another_thread_it_ends_the_program(fault):
     program = fault("unknown", "thread")
     assert program.wait() == 1
     assert program.lines == [f"error: {CASES['unknown']}"]
 
 
-def test_before_init_it_is_one_line(fault: Callable[..., Program]) -> None:
+def test_before_init_it_is_one_line(fault):
     program = fault("topic", "early")
     assert program.wait() == 1
     assert program.lines == ["error: there is no bus yet; call lcmtools::init(argc, argv) first"]
 
 
 @pytest.mark.parametrize("case", ["unknown", "twice", "idle"])
-def test_in_a_timer_it_is_logged_and_a_signal_ends_the_program(
-    case: str, fault: Callable[..., Program]
-) -> None:
+def test_in_a_timer_it_is_logged_and_a_signal_ends_the_program(case, fault):
     program = fault(case, "timer")
     assert_says(program.wait_for("timer 0.05 s raised"), CASES[case], "errors.cpp:")
     program.send_signal(signal.SIGTERM)
     assert program.wait() == 0
 
 
-def test_none_is_thrown_while_a_mutex_is_held() -> None:
+def test_none_is_thrown_while_a_mutex_is_held():
     """The program's end takes it again: a block with a lock has no ``throw`` before ``unlock``."""
     headers = (cpp_folder() / "lcmtools").glob("*.hpp")
     for header in headers:

@@ -4,13 +4,9 @@ import json
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
-from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools.bag.writer import LogWriter
@@ -22,7 +18,6 @@ from lcmtools.packages.cpp import compiler_flags
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.wire.packet import Packet
 
-Cli = Callable[..., Result]
 ROOT = Path(__file__).parents[2]
 CHECKS = {
     "kinect_viewer": ("pioneer", "viewer"),
@@ -34,15 +29,13 @@ TYPES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs")
 
 
 @pytest.fixture(scope="module")
-def compile_program(
-    compiler: str, lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
-) -> Callable[..., Path]:
+def compile_program(compiler, lcmtools_path, tmp_path_factory):
     """``compile_program(source, flag...)``: compiles it; warnings are errors."""
     folder = tmp_path_factory.mktemp("labs")
     generate = [lcmtools_path, "msg", "generate", "--lang", "cpp", str(folder / "types"), *TYPES]
     subprocess.run(generate, capture_output=True, check=True)
 
-    def make(source: Path, *flags: str) -> Path:
+    def make(source, *flags):
         program = folder / source.stem
         words = ["-O0", "-Wall", "-Wextra", "-Werror", *flags, str(source), f"-I{folder / 'types'}"]
         command = [compiler, *words, *compiler_flags(), "-o", str(program)]
@@ -53,19 +46,17 @@ def compile_program(
     return make
 
 
-def answer(name: str) -> Path:
+def answer(name):
     return Path(skeletons.__file__).with_name(f"{name}.cpp")
 
 
 @pytest.mark.parametrize("name", skeletons.CPP_NAMES)
-def test_a_skeleton_compiles_as_it_is(name: str, compile_program: Callable[..., Path]) -> None:
+def test_a_skeleton_compiles_as_it_is(name, compile_program):
     compile_program(answer(name), "-fsyntax-only", "-DSKELETON")
 
 
 @pytest.mark.parametrize("page", ["coming-from-ros1.md", "coming-from-ros2.md"])
-def test_what_a_page_writes_in_place_of_ros_compiles(
-    page: str, compile_program: Callable[..., Path]
-) -> None:
+def test_what_a_page_writes_in_place_of_ros_compiles(page, compile_program):
     part = (ROOT / "docs" / page).read_text().partition("cpp\n\n[Nodes in C++]")[2]
     named = re.findall(
         r"lcmtools::\w+|create_\w+|declare_\w+|\w+/\w+\.hpp", part.partition("##")[0]
@@ -79,9 +70,7 @@ def test_what_a_page_writes_in_place_of_ros_compiles(
 
 @pytest.mark.usefixtures("quiet_network")
 @pytest.mark.parametrize("name", CHECKS)
-def test_a_model_answer_passes_its_check(
-    name: str, compile_program: Callable[..., Path], cli: Cli
-) -> None:
+def test_a_model_answer_passes_its_check(name, compile_program, cli):
     program = compile_program(answer(name))
     lab, option = CHECKS[name]
     checked = cli("lab", "check", lab, f"--{option}", str(program))
@@ -92,8 +81,8 @@ def test_a_model_answer_passes_its_check(
     ("name", "topic"), [("simple_controller", "odometry"), ("moving_robot", "other")]
 )
 def test_a_recording_is_played_to_a_model_answer_in_lock_step(
-    name: str, topic: str, compile_program: Callable[..., Path], cli: Cli, tmp_path: Path
-) -> None:
+    name, topic, compile_program, cli, tmp_path
+):
     program = ("--", str(compile_program(answer(name))))
     inputs, saved = tmp_path / "inputs.lcmlog", tmp_path / "saved.lcmlog"
     with LogWriter(inputs) as log:
@@ -109,9 +98,7 @@ def test_a_recording_is_played_to_a_model_answer_in_lock_step(
 
 
 @pytest.mark.usefixtures("quiet_network")
-def test_the_sources_of_a_class_are_built_and_checked(
-    compiler: str, cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_sources_of_a_class_are_built_and_checked(compiler, cli, tmp_path, monkeypatch):
     """In the packages of the submissions, or alone; one that does not compile fails alone."""
     assert compiler
     shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
@@ -143,9 +130,7 @@ def test_the_sources_of_a_class_are_built_and_checked(
 
 
 @pytest.mark.parametrize("missing", ["c++", "cmake", "make", "liblcm"])
-def test_what_is_missing_to_build_a_program_is_said_in_its_row(
-    missing: str, cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_missing_to_build_a_program_is_said_in_its_row(missing, cli, tmp_path, monkeypatch):
     source = tmp_path / "moving_robot.cpp"
     source.write_text("int main() {}")
     monkeypatch.setattr(shutil, "which", lambda name: None if name == missing else f"/bin/{name}")
@@ -167,9 +152,7 @@ def test_what_is_missing_to_build_a_program_is_said_in_its_row(
         ("#error \xe5\nint main() {}", "a.cpp:1: #error"),
     ],
 )
-def test_a_source_that_is_not_built_tells_the_first_error(
-    text: str, error: str, compiler: str, tmp_path: Path
-) -> None:
+def test_a_source_that_is_not_built_tells_the_first_error(text, error, compiler, tmp_path):
     assert compiler
     shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
     source = tmp_path / "a.cpp"
@@ -181,7 +164,7 @@ def test_a_source_that_is_not_built_tells_the_first_error(
         pass
 
 
-def test_a_source_is_built_with_its_parts(compiler: str, tmp_path: Path) -> None:
+def test_a_source_is_built_with_its_parts(compiler, tmp_path):
     """Of files beside it, those that it includes; others may be unfinished."""
     assert compiler
     shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
@@ -201,17 +184,9 @@ def test_a_source_is_built_with_its_parts(compiler: str, tmp_path: Path) -> None
         assert subprocess.run([program], check=False).returncode == 0
 
 
-def test_the_talker_is_heard_by_the_listener(
-    compile_program: Callable[..., Path],
-    cli: Cli,
-    start: Callable[..., Program],
-    bus_url: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_talker_is_heard_by_the_listener(compile_program, cli, start, bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    programs: dict[str, Any] = {
-        name: compile_program(answer(name)) for name in ("listener", "talker")
-    }
+    programs = {name: compile_program(answer(name)) for name in ("listener", "talker")}
     listener = start(str(programs["listener"]))
     start(str(programs["talker"]), "__name:=mine")
     assert "[/listener]: I heard: [hello world " in listener.wait_for("I heard")

@@ -8,13 +8,10 @@ import struct
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 from fixtures.says import assert_says
 
 from lcmtools import Node
@@ -35,24 +32,20 @@ from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import SetBool
 from lcmtools.wire.tcpq import PUBLISH, SERVER_GREETING, FrameReader
 
-Cli = Callable[..., Any]
-Wait = Callable[..., None]
 NAME = "/husky0/everything"
 
 
 @pytest.fixture(autouse=True)
-def on_bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def on_bus(bus_url, monkeypatch):
     """A bus of the test's own."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
 
 @pytest.fixture
-def everything(
-    node_program: Path, start: Callable[..., Program], cli: Cli, wait_until: Wait
-) -> Callable[..., Program]:
+def everything(node_program, start, cli, wait_until):
     """``everything("_gain:=2")``: the program, once its node is listed."""
 
-    def run(*words: str) -> Program:
+    def run(*words):
         program = start(str(node_program), "__ns:=/husky0", *words)
         wait_until(lambda: f'"pid": {program.pid},' in cli("node", "list", "--json").out)
         return program
@@ -63,16 +56,16 @@ def everything(
 class Talk:
     """A Python node that talks to the one in C++."""
 
-    def __init__(self, start_node: Callable[..., Any]) -> None:
+    def __init__(self, start_node):
         self.node = start_node(lambda: Node("talk")).node
         self.words = self.node.create_publisher(String, "/husky0/words")
         self.asks = self.node.create_publisher(String, "/husky0/ask")
-        self.heard: list[str] = []
-        self.log: list[Log] = []
+        self.heard = []
+        self.log = []
         self.node.create_subscription(String, "/husky0/echo", lambda m: self.heard.append(m.data))
         self.node.create_subscription(Log, "/rosout", self.log.append, 100)
 
-    def say(self, text: str, to: Any = None) -> None:
+    def say(self, text, to=None):
         """Send a word."""
         message = String()
         message.data = text
@@ -80,18 +73,16 @@ class Talk:
 
 
 @pytest.fixture
-def talk(start_node: Callable[..., Any]) -> Talk:
+def talk(start_node):
     """A Python node on the same bus."""
     return Talk(start_node)
 
 
-def _node_record(cli: Cli) -> Any:
+def _node_record(cli):
     return json.loads(cli("node", "info", NAME, "--json").out)
 
 
-def test_it_is_listed_with_its_topics_and_types(
-    everything: Callable[..., Program], cli: Cli
-) -> None:
+def test_it_is_listed_with_its_topics_and_types(everything, cli):
     everything("words:=/renamed")
     assert NAME in cli("node", "list").out.splitlines()
     info = cli("node", "info", NAME).out
@@ -101,9 +92,7 @@ def test_it_is_listed_with_its_topics_and_types(
     assert "/husky0/words" not in info
 
 
-def test_rates_and_senders_are_known(
-    everything: Callable[..., Program], cli: Cli, wait_until: Wait
-) -> None:
+def test_rates_and_senders_are_known(everything, cli, wait_until):
     program = everything()
     wait_until(
         lambda: "rate: 10" in cli("info", "PLAIN").out or "rate: 9.9" in cli("info", "PLAIN").out
@@ -114,16 +103,16 @@ def test_rates_and_senders_are_known(
     assert f"pid {program.pid}" not in findings
 
 
-def test_it_answers_a_ping(everything: Callable[..., Program], cli: Cli) -> None:
+def test_it_answers_a_ping(everything, cli):
     everything()
     assert cli("node", "ping", NAME, "--count", "2").code == 0
 
 
 def test_many_probes_of_one_node_get_few_answers_with_the_last_number(
-    everything: Callable[..., Program], bus_url: str, wait_until: Wait
-) -> None:
+    everything, bus_url, wait_until
+):
     everything()
-    payloads: list[bytes] = []
+    payloads = []
     with closing(open_bus(parse_url(bus_url))) as bus:
         bus.subscribe(NODE_CHANNEL, lambda payload, _: payloads.append(payload))
         began = time.monotonic()
@@ -136,28 +125,22 @@ def test_many_probes_of_one_node_get_few_answers_with_the_last_number(
     assert len(answers) <= 2 + (time.monotonic() - began) / ANSWER_SPREAD
 
 
-def _answers(payloads: list[bytes]) -> list[int]:
+def _answers(payloads):
     return [found.answers for one in tuple(payloads) if (found := decode_announcement(one))]
 
 
-def test_names_on_the_command_line(
-    node_program: Path, start: Callable[..., Program], cli: Cli, wait_until: Wait
-) -> None:
+def test_names_on_the_command_line(node_program, start, cli, wait_until):
     start(str(node_program), "__name:=other", "--ns", "a")
     wait_until(lambda: "/a/other" in cli("node", "list").out)
 
 
-def test_messages_go_both_ways(
-    everything: Callable[..., Program], talk: Talk, wait_until: Wait
-) -> None:
+def test_messages_go_both_ways(everything, talk, wait_until):
     everything()
     talk.say("hello")
     wait_until(lambda: any(text.startswith("hello at ") for text in talk.heard))
 
 
-def test_a_plain_channel_is_no_pattern(
-    everything: Callable[..., Program], talk: Talk, wait_until: Wait
-) -> None:
+def test_a_plain_channel_is_no_pattern(everything, talk, wait_until):
     everything()
     exact = talk.node.create_publisher(String, "WORDS.*", plain_channel=True)
     other = talk.node.create_publisher(String, "WORDS2", plain_channel=True)
@@ -167,13 +150,11 @@ def test_a_plain_channel_is_no_pattern(
     assert talk.heard[0].startswith("right")
 
 
-def test_the_newest_messages_are_kept_and_drops_counted(
-    everything: Callable[..., Program], talk: Talk, cli: Cli, wait_until: Wait
-) -> None:
+def test_the_newest_messages_are_kept_and_drops_counted(everything, talk, cli, wait_until):
     everything()
     is_waiting, goes_on = threading.Event(), threading.Event()
 
-    def answer(_: Any, response: Any) -> Any:
+    def answer(_, response):
         is_waiting.set()
         goes_on.wait(40)
         return response
@@ -189,9 +170,7 @@ def test_the_newest_messages_are_kept_and_drops_counted(
     wait_until(lambda: "drops: 8" in cli("info", "/husky0/words").out)
 
 
-def test_an_exception_is_logged_once_and_counted(
-    everything: Callable[..., Program], talk: Talk, cli: Cli, wait_until: Wait
-) -> None:
+def test_an_exception_is_logged_once_and_counted(everything, talk, cli, wait_until):
     program = everything()
     for number in range(3):
         talk.say("throw")
@@ -203,7 +182,7 @@ def test_an_exception_is_logged_once_and_counted(
     assert_says(cli("wtf").out, NAME, "std::out_of_range")
 
 
-def test_parameters_are_read_and_set(everything: Callable[..., Program], cli: Cli) -> None:
+def test_parameters_are_read_and_set(everything, cli):
     everything("_gain:=2.5", "_frame:=map")
     assert cli("param", "get", f"{NAME}/gain").out == "2.5\n"
     assert cli("param", "get", f"{NAME}/names").out == '[a, "b c"]\n'
@@ -217,7 +196,7 @@ def test_parameters_are_read_and_set(everything: Callable[..., Program], cli: Cl
     assert cli("param", "get", f"{NAME}/count").out == "3\n"
 
 
-def test_a_wrong_parameter_is_one_line(node_program: Path, start: Callable[..., Program]) -> None:
+def test_a_wrong_parameter_is_one_line(node_program, start):
     program = start(str(node_program), "_gain:=fast")
     assert program.wait() == 1
     assert program.output == "error: parameter gain: expected a number, got 'fast'"
@@ -235,20 +214,18 @@ def test_a_wrong_parameter_is_one_line(node_program: Path, start: Callable[..., 
         (["--ns"], "needs a value"),
     ],
 )
-def test_wrong_arguments_are_one_line(
-    words: list[str], error: str, node_program: Path, start: Callable[..., Program]
-) -> None:
+def test_wrong_arguments_are_one_line(words, error, node_program, start):
     program = start(str(node_program), *words)
     assert program.wait() == 1
     (line,) = program.lines
     assert_says(line, "error: ", error)
 
 
-def test_an_unknown_parameter_is_warned_of(everything: Callable[..., Program]) -> None:
+def test_an_unknown_parameter_is_warned_of(everything):
     everything("_gian:=2").wait_for("there is no parameter 'gian'")
 
 
-def test_names_that_no_node_uses_are_warned_of(everything: Callable[..., Program]) -> None:
+def test_names_that_no_node_uses_are_warned_of(everything):
     words = ("word:=/a", "words:=/b", "echo=c", "gain=3", "_lr=3", "lr=3", "--", "echo=d")
     program = everything(*words)
     program.wait_for("'_lr=3'")
@@ -260,7 +237,7 @@ def test_names_that_no_node_uses_are_warned_of(everything: Callable[..., Program
     ]
 
 
-def test_its_service_answers_and_refuses(everything: Callable[..., Program], talk: Talk) -> None:
+def test_its_service_answers_and_refuses(everything, talk):
     everything("_gain:=7")
     client = talk.node.create_client(SetBool, "/husky0/refuse")
     request = SetBool.Request()
@@ -271,7 +248,7 @@ def test_its_service_answers_and_refuses(everything: Callable[..., Program], tal
         client.call(request, 20.0)
 
 
-def test_it_calls_asynchronously_while_it_spins(everything: Callable[..., Program]) -> None:
+def test_it_calls_asynchronously_while_it_spins(everything):
     program = everything("call")
     program.wait_for("timeout")
     program.send_signal(signal.SIGINT)
@@ -280,13 +257,11 @@ def test_it_calls_asynchronously_while_it_spins(everything: Callable[..., Progra
     assert program.lines[1:] == words
 
 
-def test_a_request_is_repeated_until_its_service_is_there(
-    everything: Callable[..., Program], talk: Talk
-) -> None:
+def test_a_request_is_repeated_until_its_service_is_there(everything, talk):
     program = everything("call")
     program.wait_for("timeout")
 
-    def answer(_: Any, response: Any) -> Any:
+    def answer(_, response):
         response.message = "at last"
         return response
 
@@ -294,12 +269,10 @@ def test_a_request_is_repeated_until_its_service_is_there(
     program.wait_for("at last")
 
 
-def test_it_calls_a_service_in_a_callback(
-    everything: Callable[..., Program], talk: Talk, wait_until: Wait
-) -> None:
+def test_it_calls_a_service_in_a_callback(everything, talk, wait_until):
     everything()
 
-    def answer(request: Any, response: Any) -> Any:
+    def answer(request, response):
         response.message = f"got {request.data}"
         return response
 
@@ -308,9 +281,7 @@ def test_it_calls_a_service_in_a_callback(
     wait_until(lambda: "got True" in talk.heard)
 
 
-def test_its_log_is_on_rosout(
-    everything: Callable[..., Program], talk: Talk, wait_until: Wait
-) -> None:
+def test_its_log_is_on_rosout(everything, talk, wait_until):
     program = everything("_gain:=3")
     assert_says(program.wait_for("gain 3"), "[INFO]", NAME)
     talk.say("throw")
@@ -319,9 +290,7 @@ def test_its_log_is_on_rosout(
     assert (entry.name, entry.level, entry.file) == (NAME, Log.ERROR, "node.cpp")
 
 
-def test_a_log_line_can_be_throttled_and_written_once(
-    everything: Callable[..., Program], talk: Talk, wait_until: Wait
-) -> None:
+def test_a_log_line_can_be_throttled_and_written_once(everything, talk, wait_until):
     program = everything()
     talk.say("log")
     wait_until(lambda: any("log at" in text for text in talk.heard))
@@ -330,22 +299,18 @@ def test_a_log_line_can_be_throttled_and_written_once(
     assert counts == {"seldom": 1, "single": 1, "always": 3}
 
 
-def test_a_rate_keeps_its_turns(
-    everything: Callable[..., Program], talk: Talk, wait_until: Wait
-) -> None:
+def test_a_rate_keeps_its_turns(everything, talk, wait_until):
     everything()
     talk.say("rate")
     wait_until(lambda: any("rate at" in text for text in talk.heard))
     assert "two turns" in talk.heard
 
 
-def test_simulated_time_is_that_of_the_clock(
-    everything: Callable[..., Program], talk: Talk, cli: Cli, wait_until: Wait
-) -> None:
+def test_simulated_time_is_that_of_the_clock(everything, talk, cli, wait_until):
     everything("_use_sim_time:=true")
     clock = talk.node.create_publisher(Clock, "/clock")
 
-    def set_time(seconds: int) -> None:
+    def set_time(seconds):
         message = Clock()
         message.clock.sec = seconds
         clock.publish(message)
@@ -359,9 +324,7 @@ def test_simulated_time_is_that_of_the_clock(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE])
-def test_a_signal_ends_it_with_a_goodbye(
-    number: int, everything: Callable[..., Program], cli: Cli
-) -> None:
+def test_a_signal_ends_it_with_a_goodbye(number, everything, cli):
     program = everything()
     program.send_signal(number)
     assert program.wait() == 0
@@ -369,16 +332,14 @@ def test_a_signal_ends_it_with_a_goodbye(
     assert NAME not in cli("node", "list").out
 
 
-def test_node_kill_ends_it(everything: Callable[..., Program], cli: Cli) -> None:
+def test_node_kill_ends_it(everything, cli):
     program = everything()
     assert cli("node", "kill", NAME).code == 0
     assert program.wait() == 0
     program.wait_for("shutdown requested by")
 
 
-def test_a_second_signal_ends_a_hanging_callback_with_a_goodbye(
-    everything: Callable[..., Program], talk: Talk, cli: Cli, wait_until: Wait
-) -> None:
+def test_a_second_signal_ends_a_hanging_callback_with_a_goodbye(everything, talk, cli, wait_until):
     program = everything()
     talk.say("hang")
     wait_until(lambda: "hangs" in talk.heard)
@@ -389,16 +350,14 @@ def test_a_second_signal_ends_a_hanging_callback_with_a_goodbye(
     assert NAME not in cli("node", "list").out
 
 
-def test_a_killed_one_is_noticed(everything: Callable[..., Program], cli: Cli) -> None:
+def test_a_killed_one_is_noticed(everything, cli):
     program = everything()
     program.send_signal(signal.SIGKILL)
     program.wait()
     assert_says(cli("wtf").out, NAME, str(program.pid))
 
 
-def test_its_receive_buffer_is_as_large_as_the_system_grants(
-    everything: Callable[..., Program],
-) -> None:
+def test_its_receive_buffer_is_as_large_as_the_system_grants(everything):
     """A plain LCM program sends an image in one burst."""
     program = everything()
     links = [str(one.readlink()) for one in Path(f"/proc/{program.pid}/fd").iterdir()]
@@ -407,9 +366,7 @@ def test_its_receive_buffer_is_as_large_as_the_system_grants(
     assert 2 * receive_buffer_bytes() in [sizes.get(inode) for inode in inodes]
 
 
-def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(
-    everything: Callable[..., Program], talk: Talk
-) -> None:
+def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(everything, talk):
     everything()
     files = Path(os.environ["XDG_RUNTIME_DIR"]).glob("lcmtools/records/*/*.json")
     records = {record["name"]: record for record in map(json.loads, map(Path.read_text, files))}
@@ -419,9 +376,7 @@ def test_its_record_has_the_keys_and_the_namespaces_of_one_of_python(
         assert ours[key] == python[key]
 
 
-def test_on_tcpq_half_a_message_holds_up_no_timer(
-    node_program: Path, start: Callable[..., Program]
-) -> None:
+def test_on_tcpq_half_a_message_holds_up_no_timer(node_program, start):
     """Liblcm waits for the rest: not on the thread that runs the callbacks."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         server.settimeout(60)

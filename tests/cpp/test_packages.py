@@ -3,17 +3,13 @@
 import json
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 from fixtures.says import assert_line, assert_says
 
 from lcmtools.packages import cpp
 
-Cli = Callable[..., Any]
 RELAY = """\
 #include <lcmtools/node.hpp>
 #include <rover/Count.hpp>
@@ -64,7 +60,7 @@ CREATE = ("pkg", "create", "rover", "--cpp", "--node", "driver", "--msg", "Count
 
 
 @pytest.fixture(autouse=True)
-def space(tmp_path: Path, bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Path:
+def space(tmp_path, bus_url, monkeypatch):
     """A folder for packages, in which commands run, on a bus of the test's own."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
@@ -72,9 +68,7 @@ def space(tmp_path: Path, bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Path
     return tmp_path
 
 
-def test_a_new_package_is_built_and_runs(
-    space: Path, compiler: str, start: Callable[..., Program], cli: Cli, lcmtools_path: str
-) -> None:
+def test_a_new_package_is_built_and_runs(space, compiler, start, cli, lcmtools_path):
     assert compiler
     shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
     assert_says(cli(*CREATE, "--deps", "geometry_msgs").err, "lcmtools pkg build rover")
@@ -96,8 +90,8 @@ def test_a_new_package_is_built_and_runs(
 
 
 def test_nodes_of_both_languages_share_a_package_and_its_messages(
-    space: Path, compiler: str, start: Callable[..., Program], cli: Cli, lcmtools_path: str
-) -> None:
+    space, compiler, start, cli, lcmtools_path
+):
     assert compiler
     shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
     assert cli("pkg", "create", "rover", "--node", "driver", "--msg", "Count").code == 0
@@ -138,13 +132,11 @@ int main() { return acme::sense::Scan{}.%s + sizeof(acme::Pose) == 0; }
 """
 
 
-def test_types_of_a_folder_are_generated_and_follow_their_files(
-    space: Path, compiler: str, lcmtools_path: str
-) -> None:
+def test_types_of_a_folder_are_generated_and_follow_their_files(space, compiler, lcmtools_path):
     assert compiler
     cmake = shutil.which("cmake") or pytest.skip("no cmake to build C++ programs with")
 
-    def build(*words: str) -> str:
+    def build(*words):
         done = subprocess.run([cmake, *words], capture_output=True, text=True, check=False)
         return "" if done.returncode == 0 else done.stdout + done.stderr
 
@@ -174,9 +166,7 @@ def test_types_of_a_folder_are_generated_and_follow_their_files(
 @pytest.mark.parametrize(
     ("missing", "package"), [("cmake", "cmake"), ("c++", "g++"), ("make", "make")]
 )
-def test_a_missing_program_is_named_with_its_package(
-    missing: str, package: str, cli: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_missing_program_is_named_with_its_package(missing, package, cli, monkeypatch):
     cli(*CREATE)
     found = shutil.which
     monkeypatch.setattr(
@@ -187,18 +177,18 @@ def test_a_missing_program_is_named_with_its_package(
     assert_says(result.err, f"'{missing}'", f"sudo apt install {package}")
 
 
-def test_a_missing_liblcm_is_named(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_liblcm_is_named(cli, monkeypatch):
     monkeypatch.setattr(cpp, "find_spec", lambda _: None)
     monkeypatch.setattr(cpp, "_pkg_config_flags", lambda _: ())
     assert_line(cli("pkg", "cpp-path", "--flags").err, "liblcm", "liblcm-dev", "pip install lcm")
 
 
-def test_the_liblcm_of_the_system_comes_first(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_liblcm_of_the_system_comes_first(cli, monkeypatch):
     monkeypatch.setattr(cpp, "_pkg_config_flags", lambda name: ("-I/opt/lcm", f"-l{name}"))
     assert_says(cli("pkg", "cpp-path", "--flags").out, "-std=c++17", "-I/opt/lcm -llcm")
 
 
-def test_the_folder_has_headers_and_packages(cli: Cli) -> None:
+def test_the_folder_has_headers_and_packages(cli):
     folder = Path(cli("pkg", "cpp-path").out.strip())
     assert (folder / "lcmtools" / "node.hpp").is_file()
     assert (folder / "cmake" / "lcmtoolsConfig.cmake").is_file()

@@ -1,12 +1,9 @@
 """A node in C++ under AddressSanitizer and ThreadSanitizer, as it talks with nodes in Python."""
 
 import signal
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 
 from lcmtools import Node
 from lcmtools.packages.cpp import compiler_flags
@@ -15,13 +12,7 @@ from lcmtools.types.std_srvs import SetBool
 
 
 @pytest.fixture(params=["address,undefined", "thread"])
-def program(
-    request: pytest.FixtureRequest,
-    compiled: Callable[..., Path],
-    compiler: str,
-    cli: Any,
-    tmp_path: Path,
-) -> Path:
+def program(request, compiled, compiler, cli, tmp_path):
     """The program node.cpp with a sanitizer."""
     source = Path(__file__).parent / "programs" / "node.cpp"
     kinds = ("std_msgs", "std_srvs", "geometry_msgs/Twist")
@@ -32,24 +23,18 @@ def program(
 
 
 @pytest.fixture
-def on_bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def on_bus(bus_url, monkeypatch):
     """A bus of the test's own."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
 
 @pytest.mark.usefixtures("on_bus")
-def test_no_fault_is_found(
-    program: Path,
-    start: Callable[..., Program],
-    start_node: Callable[..., Any],
-    cli: Callable[..., Any],
-    wait_until: Callable[..., None],
-) -> None:
+def test_no_fault_is_found(program, start, start_node, cli, wait_until):
     running = start(str(program), "call")
     wait_until(lambda: "/everything" in cli("node", "list").out)
     node = start_node(lambda: Node("talk")).node
     words = node.create_publisher(String, "/words")
-    heard: list[str] = []
+    heard = []
     node.create_subscription(String, "/echo", lambda m: heard.append(m.data), 100)
     message = String()
     for message.data in ("throw", "log", "rate"):

@@ -3,7 +3,6 @@
 import itertools
 import subprocess
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import pytest
 
@@ -13,8 +12,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph import protocol
 from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
-from lcmtools.messages.setting import ParameterValue, read_setting
+from lcmtools.messages.setting import read_setting
 from lcmtools.names import Resolver
 from lcmtools.packages.cpp import cpp_folder
 from lcmtools.types import lcmtools_msgs as msgs
@@ -55,7 +53,7 @@ NAMES = (
     *("x" * 62, "x" * 63, "x" * 64, "/" + "x" * 63, "a~", "/~a", "a?", "a*", "\u201ca\u201d"),
 )
 PLACES = (("/", "/node"), ("/husky0", "/husky0/driver"), ("/a/b", "/a/b/c"))
-REMAPS: tuple[tuple[tuple[str, str], ...], ...] = (
+REMAPS = (
     (),
     (("a", "b"),),
     (("a", "b"), ("/a", "/c")),
@@ -65,7 +63,7 @@ REMAPS: tuple[tuple[tuple[str, str], ...], ...] = (
     (("a", "x" * 63),),
     (("a/b", "/"), ("/a/", "d")),
 )
-COMMAND_LINES: Sequence[Sequence[str]] = (
+COMMAND_LINES = (
     *([word] for word in ("a:=b", "__ns:=/h", "__name:=n", "__node:=n", "_gain:=2.0", "_a.b/c:=1")),
     *([word] for word in ("~a:=/b", "/a:=b", "a/b:=c", "a:=", "__ns:=", "__log:=x", "__other:=x")),
     *(
@@ -152,10 +150,10 @@ Ask = Callable[[Sequence[Sequence[str]]], list[str]]
 
 
 @pytest.fixture(scope="session")
-def ask(tables: Path) -> Ask:
+def ask(tables):
     """Ask the C++ program questions; an answer begins with "=", an error with "!"."""
 
-    def answers(questions: Sequence[Sequence[str]]) -> list[str]:
+    def answers(questions):
         text = "\x1e".join("\x1f".join(words) for words in questions)
         done = subprocess.run([tables], input=text.encode(), capture_output=True, check=True)
         return done.stdout.decode().split("\x1e")[:-1]
@@ -163,33 +161,33 @@ def ask(tables: Path) -> Ask:
     return answers
 
 
-def _in_python(function: Callable[[], str]) -> str:
+def _in_python(function):
     try:
         return f"={function()}"
     except LcmtoolsError:
         return "!"
 
 
-def _same(questions: Sequence[Sequence[str]], answers: list[str], expected: list[str]) -> None:
+def _same(questions, answers, expected):
     short = ["!" if answer.startswith("!") else answer for answer in answers]
     rows = zip(questions, answers, expected, short, strict=True)
     assert not [(question, said, right) for question, said, right, key in rows if key != right]
 
 
-def test_names_are_resolved_as_in_python(ask: Ask) -> None:
+def test_names_are_resolved_as_in_python(ask):
     cases = list(itertools.product(PLACES, NAMES, REMAPS))
     questions = [
         ["resolve", *place, name, *itertools.chain(*rules)] for place, name, rules in cases
     ]
     expected = [
-        _in_python(lambda p=place, n=name, r=rules: Resolver(*p, r).resolve(n))  # type: ignore[misc]
+        _in_python(lambda p=place, n=name, r=rules: Resolver(*p, r).resolve(n))
         for place, name, rules in cases
     ]
     _same(questions, ask(questions), expected)
 
 
-def test_command_lines_are_split_as_in_python(ask: Ask) -> None:
-    def told(words: Sequence[str]) -> str:
+def test_command_lines_are_split_as_in_python(ask):
+    def told(words):
         said, rest = split_arguments(words)
         return "\x1f".join(
             [
@@ -206,12 +204,12 @@ def test_command_lines_are_split_as_in_python(ask: Ask) -> None:
     # an empty list of words cannot be told from one with an empty word
     lines = [words for words in COMMAND_LINES if words]
     questions = [["arguments", *words] for words in lines]
-    expected = [_in_python(lambda w=words: told(w)) for words in lines]  # type: ignore[misc]
+    expected = [_in_python(lambda w=words: told(w)) for words in lines]
     _same(questions, ask(questions), expected)
 
 
-def test_values_are_read_and_written_as_in_python(ask: Ask) -> None:
-    def value(kind: str, text: str) -> ParameterValue:
+def test_values_are_read_and_written_as_in_python(ask):
+    def value(kind, text):
         try:
             return read_setting(text, kind, "x")
         except LcmtoolsError:
@@ -231,7 +229,7 @@ def test_values_are_read_and_written_as_in_python(ask: Ask) -> None:
     assert not [row for row in rows if repr(row[3]) != repr(row[4])]
 
 
-def test_messages_have_the_same_bytes_as_in_python(ask: Ask) -> None:
+def test_messages_have_the_same_bytes_as_in_python(ask):
     frozen, appendable = _messages()
     cases = [(type(one).__name__, encode(one).hex()) for one in frozen]
     assert ask([["bytes", *case] for case in cases]) == [f"={digits}" for _, digits in cases]
@@ -241,7 +239,7 @@ def test_messages_have_the_same_bytes_as_in_python(ask: Ask) -> None:
     assert not [case for case, answer in rows if not f"={case[1]}".startswith(answer)]
 
 
-def test_bytes_after_the_end_of_a_message_are_ignored(ask: Ask) -> None:
+def test_bytes_after_the_end_of_a_message_are_ignored(ask):
     frozen, _ = _messages()
     cases = [(type(one).__name__, encode(one).hex()) for one in frozen]
     assert ask([["bytes", name, digits + "00ff"] for name, digits in cases]) == [
@@ -249,7 +247,7 @@ def test_bytes_after_the_end_of_a_message_are_ignored(ask: Ask) -> None:
     ]
 
 
-def test_short_messages_are_refused(ask: Ask) -> None:
+def test_short_messages_are_refused(ask):
     frozen, _ = _messages()
     questions = [
         ["bytes", type(one).__name__, encode(one)[:end].hex()]
@@ -262,11 +260,11 @@ def test_short_messages_are_refused(ask: Ask) -> None:
 @pytest.mark.parametrize(
     "file", ["cmake/lcmtoolsConfigVersion.cmake", "pkgconfig/lcmtools.pc", "lcmtools/context.hpp"]
 )
-def test_the_version_is_that_of_lcmtools(file: str) -> None:
+def test_the_version_is_that_of_lcmtools(file):
     assert __version__ in (cpp_folder() / file).read_text()
 
 
-def _messages() -> tuple[list[Message], list[Message]]:
+def _messages():
     """Return messages of all structs that C++ knows: frozen ones, and appendable ones."""
     end = Endpoint(
         "/a",
@@ -324,5 +322,5 @@ def _messages() -> tuple[list[Message], list[Message]]:
     return frozen, [details, *ends, *errors]
 
 
-def _with_hash(kind: type, data: bytes) -> bytes:
-    return kind._get_packed_fingerprint() + data  # type: ignore[attr-defined] # lcm-gen's
+def _with_hash(kind, data):
+    return kind._get_packed_fingerprint() + data

@@ -20,7 +20,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -63,9 +62,9 @@ class Block:
     text: str
     notes: dict[str, str]
 
-    def commands(self) -> list[Command]:
+    def commands(self):
         """The lines that are typed in it."""
-        found: list[Command] = []
+        found = []
         for line in self.text.splitlines():
             if self.language == "sh":
                 found += [Command(line)] if line.strip() else []
@@ -76,7 +75,7 @@ class Block:
         return found
 
 
-def blocks(document: Path) -> list[Block]:
+def blocks(document):
     """The fenced blocks of a document."""
     text = document.read_text()
     return [
@@ -90,7 +89,7 @@ def blocks(document: Path) -> list[Block]:
 class Shell:
     """Runs commands in a folder, on a bus."""
 
-    def __init__(self, folder: Path, bus_url: str, lcmtools_path: str) -> None:
+    def __init__(self, folder, bus_url, lcmtools_path):
         self._folder = folder
         self._environment = {
             **os.environ,
@@ -110,7 +109,7 @@ class Shell:
         self._outputs = 0
 
     @contextmanager
-    def going(self, command: str) -> "Iterator[Running]":
+    def going(self, command):
         """A command in the background, ended with Ctrl-C and then by force."""
         self._outputs += 1
         running = Running(command, self._folder, self._environment, f".output_{self._outputs}")
@@ -119,7 +118,7 @@ class Shell:
         finally:
             running.end()
 
-    def run(self, command: Command) -> str | None:
+    def run(self, command):
         """Run a command as a reader would; what is wrong with it, or None."""
         with self.going(command.text) as running:
             began = time.monotonic()
@@ -140,7 +139,7 @@ class Shell:
             return f"$ {command.text}\nended with {code}:\n{output}"
         return None
 
-    def wait_for(self, commands: Sequence[str]) -> None:
+    def wait_for(self, commands):
         """Wait until commands that run beside a block are on the bus: nodes, or other programs."""
         nodes = sum(command.startswith("lcmtools ") for command in commands)
         deadline = time.monotonic() + 60
@@ -155,7 +154,7 @@ class Shell:
                 time.sleep(0.1)
         pytest.fail(f"{', '.join(commands)}: not all run")
 
-    def _others(self) -> int:
+    def _others(self):
         """The number of programs that use LCM and are no nodes."""
         listed = subprocess.run(
             ["lcmtools", "node", "list", "-a", "--json"],  # noqa: S607 - as documents have it
@@ -171,9 +170,7 @@ class Shell:
 class Running:
     """A command that runs."""
 
-    def __init__(
-        self, command: str, folder: Path, environment: dict[str, str], output: str
-    ) -> None:
+    def __init__(self, command, folder, environment, output):
         self._output = folder / output
         with self._output.open("wb") as stream:
             self._process = subprocess.Popen(
@@ -186,20 +183,20 @@ class Running:
                 start_new_session=True,
             )
 
-    def code(self) -> int | None:
+    def code(self):
         """Its exit code; None while it runs."""
         return self._process.poll()
 
-    def wait(self, timeout: float) -> None:
+    def wait(self, timeout):
         """Wait for its end, for so many seconds at most."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout)
 
-    def output(self) -> str:
+    def output(self):
         """Its output."""
         return self._output.read_text(errors="replace")
 
-    def end(self) -> None:
+    def end(self):
         """End it, and whatever it has left in the background, which does not hear Ctrl-C."""
         for number in (signal.SIGINT, signal.SIGTERM):
             if self.code() is not None:
@@ -213,7 +210,7 @@ class Running:
         self._process.wait()
 
 
-def shows(output: str, shown: list[str]) -> bool:
+def shows(output, shown):
     """Return whether the lines shown are in an output, in their order; … is anything."""
     rest = [line.rstrip() for line in output.splitlines()]
     for line in shown:
@@ -229,9 +226,7 @@ def shows(output: str, shown: list[str]) -> bool:
 
 @pytest.mark.usefixtures("quiet_network")
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_block_does_what_it_shows(
-    document: Path, tmp_path: Path, bus_url: str, lcmtools_path: str
-) -> None:
+def test_every_block_does_what_it_shows(document, tmp_path, bus_url, lcmtools_path):
     has_compiler = shutil.which("g++")
     if document.name == "cpp.md" and not has_compiler:
         pytest.skip("no g++ to compile C++ programs with")
@@ -256,12 +251,12 @@ class Beside:
         stack: Ends them with the document.
     """
 
-    def __init__(self, shell: Shell, stack: ExitStack) -> None:
+    def __init__(self, shell, stack):
         self.shell = shell
         self._stack = stack
-        self._running: dict[str, Running] = {}
+        self._running = {}
 
-    def be(self, commands: Sequence[str]) -> None:
+    def be(self, commands):
         """Let these run and no others."""
         for command, running in list(self._running.items()):
             if command not in commands or running.code() is not None:
@@ -273,12 +268,12 @@ class Beside:
         if commands:
             self.shell.wait_for(commands)
 
-    def commands(self) -> list[str]:
+    def commands(self):
         """Those that run."""
         return list(self._running)
 
 
-def play(block: Block, beside: Beside) -> list[str]:
+def play(block, beside):
     """Run a block; what is wrong."""
     wrong = []
     parts = block.notes.get("with", "").split(";")
@@ -292,7 +287,7 @@ def play(block: Block, beside: Beside) -> list[str]:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_block_says_what_it_is(document: Path) -> None:
+def test_every_block_says_what_it_is(document):
     unknown = [
         f"{document.relative_to(ROOT)}:{block.line}: '{block.language}'"
         for block in blocks(document)
@@ -302,7 +297,7 @@ def test_every_block_says_what_it_is(document: Path) -> None:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_block_can_be_pasted(document: Path) -> None:
+def test_every_block_can_be_pasted(document):
     for block in blocks(document):
         where = f"{document.relative_to(ROOT)}:{block.line}"
         assert not re.search("^> ", block.text, re.MULTILINE), f"{where}: a prompt in a command"
@@ -312,10 +307,10 @@ def test_every_block_can_be_pasted(document: Path) -> None:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_command_that_is_named_exists(document: Path) -> None:
+def test_every_command_that_is_named_exists(document):
     unknown = []
     for name, verb in _INLINE.findall(document.read_text()):
-        command = main.root.get_command(None, name)  # type: ignore[arg-type] # it needs none
+        command = main.root.get_command(None, name)
         verbs = getattr(command, "list_commands", None)
         if command is None or (verb and verbs and verb not in verbs(None)):
             unknown.append(f"lcmtools {name} {verb}")
@@ -323,13 +318,13 @@ def test_every_command_that_is_named_exists(document: Path) -> None:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
-def test_every_link_within_the_project_leads_somewhere(document: Path) -> None:
+def test_every_link_within_the_project_leads_somewhere(document):
     text = _FENCE.sub("", document.read_text())  # a lambda in C++ looks like a link
     links = re.findall(r"\]\((?!https?:)([^)#]*)#?([^)]*)", text)
     assert [link for link in links if not leads_somewhere(document, *link)] == []
 
 
-def leads_somewhere(document: Path, page: str, anchor: str) -> bool:
+def leads_somewhere(document, page, anchor):
     """Return whether a page is there, with a heading that makes the anchor as GitHub does."""
     target = document.parent / page if page else document
     if not anchor or not target.exists():
@@ -339,7 +334,7 @@ def leads_somewhere(document: Path, page: str, anchor: str) -> bool:
 
 
 @pytest.mark.parametrize("page", sorted(ROOT.glob("labs/*/README.md")), ids=str)
-def test_a_lab_s_page_has_the_picture_of_its_robot_and_says_where_cpp_stands(page: Path) -> None:
+def test_a_lab_s_page_has_the_picture_of_its_robot_and_says_where_cpp_stands(page):
     text = page.read_text()
     assert f"(../../docs/{page.parent.name}.png)" in text.partition("## 1.")[0]
     assert "C++" in text

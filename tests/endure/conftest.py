@@ -5,16 +5,13 @@ LCMTOOLS_FUZZ=1000 LCMTOOLS_SEED=7 pytest tests/endure
 
 import os
 import random
-from collections.abc import Callable, Iterator
 
 import pytest
 from fixtures.limits import cpu_limit
 
-Rounds = Callable[[int], Iterator[random.Random]]
-
 
 @pytest.fixture
-def rounds() -> Rounds:
+def rounds():
     """Random numbers for each input, by a loop over the number of these.
 
     An input that takes very long fails. The last seed that is printed is that of the failure.
@@ -22,7 +19,7 @@ def rounds() -> Rounds:
     factor = float(os.environ.get("LCMTOOLS_FUZZ", "1"))
     first = int(os.environ.get("LCMTOOLS_SEED", "0"))
 
-    def make(count: int) -> Iterator[random.Random]:
+    def make(count):
         for seed in range(first, first + max(1, int(count * factor))):
             print(f"LCMTOOLS_SEED={seed}")  # noqa: T201 - shown if the test fails
             with cpu_limit():

@@ -4,11 +4,8 @@ import json
 import signal
 import socket
 import time
-from collections.abc import Callable, Iterator
 from itertools import islice
-from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import pytest
 from fixtures.limits import cpu_limit
@@ -25,7 +22,7 @@ from lcmtools.wire.sequence import Sequence
 
 _GROUP = ("239.255.76.67", 7667)
 _COUNT = 100_000
-DATAGRAMS: dict[str, Callable[[int], bytes]] = {
+DATAGRAMS = {
     "numbered": lambda number: b"LC02%b/a\0" % number.to_bytes(4, "big"),
     "without numbers": lambda _: b"LC02\0\0\0\7/a\0",
     "a name each": lambda number: b"LC02%b/a%d\0" % (number.to_bytes(4, "big"), number),
@@ -35,12 +32,8 @@ DATAGRAMS: dict[str, Callable[[int], bytes]] = {
 @pytest.mark.usefixtures("private_network")
 @pytest.mark.parametrize("datagram", DATAGRAMS.values(), ids=DATAGRAMS)
 def test_what_a_recorder_loses_in_a_burst_is_counted(
-    datagram: Callable[[int], bytes],
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    wait_until: Callable[..., None],
-    tmp_path: Path,
-) -> None:
+    datagram, start, lcmtools_path, wait_until, tmp_path
+):
     path = tmp_path / "a.lcmlog"
     record = start(lcmtools_path, "bag", "record", "--json", "-o", str(path))
     wait_until(path.exists)
@@ -66,27 +59,25 @@ class Burst:
     port, numbered = 0, MappingProxyType[Sender, Sequence]({})
     is_live, is_log, is_awaiting, has_strangers = True, False, False, False
 
-    def __init__(self) -> None:
-        self.packets: Iterator[Packet] = (
+    def __init__(self):
+        self.packets = (
             Packet(f"/a{number}", bytes(100), time.time_ns()) for number in range(_COUNT)
         )
 
-    def receive(self, timeout: float) -> list[Packet]:
+    def receive(self, timeout):
         """Return some messages."""
         if not (some := list(islice(self.packets, 500))):
             time.sleep(timeout)
         return some
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel, payload):
         """There is no receiver."""
 
-    def close(self) -> None:
+    def close(self):
         """Nothing is open."""
 
 
-def test_a_recording_of_many_channels_ends_soon(
-    tmp_path: Path, wait_until: Callable[..., None]
-) -> None:
+def test_a_recording_of_many_channels_ends_soon(tmp_path, wait_until):
     path = tmp_path / "a.lcmlog"
     monitor = BusMonitor(BusUrl("memq", ""), "record", {}, Burst(), whole=True)
     series = LogSeries(str(path))

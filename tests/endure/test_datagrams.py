@@ -11,14 +11,12 @@ import re
 import signal
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
@@ -48,7 +46,7 @@ from lcmtools.types.rosgraph_msgs import Log as LogMessage
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.datagram import datagrams
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Sender
 from lcmtools.wire.reader import Reader
 
 Datagrams = Iterator[bytes]
@@ -62,11 +60,11 @@ MOST_MEMORY = 25_000_000  # bytes that a program may need more than before
 TEXTS = ("hello", "\x1b[2J\x1b]0;title\x07", "a\nb\r\t\0", "größer \u202e", "x" * 3000)
 
 
-def _text(chance: random.Random) -> str:
+def _text(chance):
     return chance.choice((*TEXTS, f"name_{chance.randrange(100_000)}"))
 
 
-def _announcement(chance: random.Random) -> bytes:
+def _announcement(chance):
     number = chance.randrange(100_000)
     ends = tuple(
         Endpoint(f"/t{chance.randrange(1000)}", chance.choice(list(Role)), (_text(chance)[:50],))
@@ -79,13 +77,13 @@ def _announcement(chance: random.Random) -> bytes:
     return encode_announcement(Announcement(node, chance.random() < 0.1, chance.randrange(9)))
 
 
-def _message(chance: random.Random) -> tuple[str, bytes]:
+def _message(chance):
     """A channel, and a payload that belongs on it."""
     string, log, twist = String(), LogMessage(), Twist()
     string.data = log.msg = _text(chance).replace("\0", "")
     log.level, log.name = 8, _text(chance).replace("\0", "")
     twist.linear.x = chance.choice((1.0, float("nan"), 1e300))
-    kinds: list[tuple[str, Callable[[], bytes]]] = [
+    kinds = [
         ("/chatter", lambda: encode(string)),
         (f"/svc/reply_{chance.randrange(100_000)}", lambda: encode(string)),
         ("/rosout", lambda: encode(log)),
@@ -103,7 +101,7 @@ def _message(chance: random.Random) -> tuple[str, bytes]:
     return channel, payload()
 
 
-def _mutated(data: bytes, chance: random.Random) -> bytes:
+def _mutated(data, chance):
     """The same with a few bytes changed, left out, repeated or put in."""
     changed = bytearray(data)
     for _ in range(chance.choice((0, 0, 1, 1, 3, 20))):
@@ -122,7 +120,7 @@ def _mutated(data: bytes, chance: random.Random) -> bytes:
     return bytes(changed)
 
 
-def strangers(seed: int) -> Datagrams:
+def strangers(seed):
     """Datagrams without end: payloads mutated, datagrams mutated, fragments lost and mixed."""
     chance = random.Random(seed)  # noqa: S311 - the same bytes each time
     while True:
@@ -139,7 +137,7 @@ def strangers(seed: int) -> Datagrams:
                 yield _mutated(datagram, chance)
 
 
-def test_nothing_that_reads_datagrams_fails_or_grows() -> None:
+def test_nothing_that_reads_datagrams_fails_or_grows():
     readers = [Reader(whole=True), Reader(whole=False)]
     graphs = [GraphBuilder(), GraphBuilder()]
     source, deadline, time_ns = strangers(SEED), time.monotonic() + SECONDS, 0
@@ -159,12 +157,12 @@ def test_nothing_that_reads_datagrams_fails_or_grows() -> None:
 
 
 @pytest.fixture
-def attack() -> Iterator[Callable[[float], int]]:
+def attack():
     """``attack(seconds)``: sends what strangers send from many ports; returns their number."""
     senders = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(PORTS)]
     source = strangers(SEED)
 
-    def send(seconds: float) -> int:
+    def send(seconds):
         start = time.monotonic()
         for count, datagram in enumerate(source):
             senders[count % PORTS].sendto(datagram[:65_000], GROUP)
@@ -180,11 +178,9 @@ def attack() -> Iterator[Callable[[float], int]]:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_flood_of_probes_of_one_node_gets_few_answers(
-    start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_flood_of_probes_of_one_node_gets_few_answers(start, lcmtools_path):
     start(lcmtools_path, "run", "talker").wait_for("hello world")
-    packets: list[Packet] = []
+    packets = []
     with ThreadPoolExecutor(1) as flood, Tap(parse_url("udpm://")) as tap:
         sent = flood.submit(_probe_for, "/talker", SECONDS / 2)
         ping = start(lcmtools_path, "node", "ping", "talker", "-c", "1")
@@ -197,7 +193,7 @@ def test_a_flood_of_probes_of_one_node_gets_few_answers(
     assert len(answers) < sent.result() / 2
 
 
-def _probe_for(target: str, seconds: float) -> int:
+def _probe_for(target, seconds):
     """Probe a node as often as strangers send, with another number each time."""
     start = time.monotonic()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -212,20 +208,14 @@ def _probe_for(target: str, seconds: float) -> int:
     return 0
 
 
-def _memory(pid: int) -> int:
+def _memory(pid):
     """Bytes of memory that a process uses."""
     text = Path(f"/proc/{pid}/statm").read_text(encoding="ascii")
     return int(text.split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 @pytest.mark.usefixtures("private_network")
-def test_programs_go_on_and_do_not_grow(
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    tmp_path: Path,
-    attack: Callable[[float], int],
-    cli: Callable[..., Result],
-) -> None:
+def test_programs_go_on_and_do_not_grow(start, lcmtools_path, tmp_path, attack, cli):
     path = tmp_path / "ride.lcmlog"
     programs = {
         "talker": start(lcmtools_path, "run", "talker"),

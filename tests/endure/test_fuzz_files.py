@@ -3,13 +3,10 @@
 Each parser may refuse its input by the errors that users see, and by nothing else.
 """
 
-from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from random import Random
 
 import pytest
-from fixtures.command import Result
 from fixtures.mutation import mutated
 from fixtures.strange_logs import MESSAGES, READERS, assert_readable, count_messages, write_log
 
@@ -23,9 +20,6 @@ from lcmtools.packages.comments import comments
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.wire.log_index import SUFFIX
-
-Cli = Callable[..., Result]
-Rounds = Callable[[int], Iterator[Random]]
 
 JSON = [b"[", b"{", b'"', b"null", b"1e999", b"-1", b"NaN", b'"\\ud800"', b"0", b"]", b"}"]
 MARKUP = [b"<a>", b"</a>", b"&amp;", b"&#0;", b"<!--", b"-->", b"<![CDATA[", b"$(arg a)", b'"']
@@ -48,9 +42,7 @@ CODE = [
 ]
 
 
-def test_a_log_with_a_damaged_index_has_its_messages(
-    rounds: Rounds, cli: Cli, tmp_path: Path
-) -> None:
+def test_a_log_with_a_damaged_index_has_its_messages(rounds, cli, tmp_path):
     path = tmp_path / "a.lcmlog"
     write_log(path)
     index = Path(f"{path}{SUFFIX}")
@@ -62,7 +54,7 @@ def test_a_log_with_a_damaged_index_has_its_messages(
         assert_readable(cli, path, random.choice(readers))
 
 
-def test_a_damaged_log_is_read_as_far_as_it_goes(rounds: Rounds, cli: Cli, tmp_path: Path) -> None:
+def test_a_damaged_log_is_read_as_far_as_it_goes(rounds, cli, tmp_path):
     path = tmp_path / "a.lcmlog"
     write_log(path)
     whole = path.read_bytes()
@@ -80,9 +72,7 @@ TYPES = {
 
 
 @pytest.mark.parametrize(("name", "words"), [("T.lcm", LCM), ("T.msg", ROS)])
-def test_a_damaged_type_is_refused_or_usable(
-    name: str, words: Sequence[bytes], rounds: Rounds, tmp_path: Path
-) -> None:
+def test_a_damaged_type_is_refused_or_usable(name, words, rounds, tmp_path):
     place = tmp_path / "own" / "msg" / name
     place.parent.mkdir(parents=True)
     environment = {
@@ -124,16 +114,14 @@ XML = b"""\
 @pytest.mark.parametrize(
     ("suffix", "text", "words"), [(".yaml", YAML, MAPPING), (".launch", XML, MARKUP)]
 )
-def test_a_damaged_launch_file_is_a_plan_or_refused(
-    suffix: str, text: bytes, words: Sequence[bytes], rounds: Rounds, tmp_path: Path
-) -> None:
+def test_a_damaged_launch_file_is_a_plan_or_refused(suffix, text, words, rounds, tmp_path):
     path = tmp_path / f"a{suffix}"
     for random in rounds(400):
         path.write_bytes(mutated(text, random, words))
         refusable(lambda: make_plan([read_launch_file(path)], {}, "/", {}))
 
 
-def test_damaged_yaml_and_xml_are_read_or_refused(rounds: Rounds) -> None:
+def test_damaged_yaml_and_xml_are_read_or_refused(rounds):
     for random in rounds(1000):
         text = mutated(YAML, random, MAPPING).decode("utf-8", "surrogateescape")
         refusable(lambda text=text: read_file(text, "a.yaml", merges_keys=True))
@@ -147,7 +135,7 @@ EXPRESSION = b"abs(m.x - 0.5) > 1e-3 and len(m.values[1:]) == 3 or max(m.values)
 class Values:
     """Some values of names."""
 
-    def named(self, name: str) -> object:
+    def named(self, name):
         """Return the value of a name."""
         if name == "m":
             return self
@@ -155,14 +143,14 @@ class Values:
             return 5
         raise LookupError(name)
 
-    def attribute(self, owner: object, name: str) -> object:
+    def attribute(self, owner, name):
         """Return a field."""
         if owner is self:
             return {"x": 0.25, "values": (1, 2, 3), "name": "text"}[name]
         raise LookupError(name)
 
 
-def test_a_damaged_expression_is_evaluated_or_refused(rounds: Rounds) -> None:
+def test_a_damaged_expression_is_evaluated_or_refused(rounds):
     language = Language("filter", "m.x", "fields are", 1000, {}, has_fields=True, has_choices=True)
     for random in rounds(1500):
         text = mutated(EXPRESSION, random, CODE).decode("utf-8", "replace")
@@ -170,7 +158,7 @@ def test_a_damaged_expression_is_evaluated_or_refused(rounds: Rounds) -> None:
             Expression(text, language).value(Values())
 
 
-def refusable(work: Callable[[], object]) -> None:
+def refusable(work):
     """Do some work, which may raise the errors that users see."""
     with suppress(LcmtoolsError):
         work()

@@ -12,12 +12,10 @@ import subprocess
 import termios
 import threading
 import time
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from fcntl import ioctl
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -45,16 +43,16 @@ while ok():
 """
 
 
-def _memory(pid: int) -> int:
+def _memory(pid):
     text = Path(f"/proc/{pid}/statm").read_text(encoding="ascii")
     return int(text.split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def _healthy() -> Iterator[bytes]:
+def _healthy():
     """Datagrams of a robot, without end."""
     text = String()
     text.data = "hello world"
-    values: list[tuple[str, bytes]] = [
+    values = [
         ("/chatter", encode(text)),
         ("/scan", encode(LaserScan())),
         ("/imu", encode(Imu())),
@@ -65,13 +63,13 @@ def _healthy() -> Iterator[bytes]:
         yield from datagrams(number, channel, payload)
 
 
-def _names(most: int) -> Iterator[bytes]:
+def _names(most):
     """Datagrams on so many channels in turn, without end."""
     for number in count():
         yield from datagrams(number, f"/svc/reply_{number % most}", bytes(40))
 
 
-def _send(source: Iterator[bytes], seconds: float) -> None:
+def _send(source, seconds):
     start = time.monotonic()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         for number, datagram in enumerate(source):
@@ -83,7 +81,7 @@ def _send(source: Iterator[bytes], seconds: float) -> None:
 
 
 @contextmanager
-def spy(command: str) -> Iterator[tuple[int, bytearray]]:
+def spy(command):
     """A spy in a terminal of 40 lines: its process, and what it has written."""
     screen, end = pty.openpty()
     ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 120, 0, 0))
@@ -109,16 +107,14 @@ def spy(command: str) -> Iterator[tuple[int, bytearray]]:
         os.close(screen)
 
 
-def _read_all(screen: int, written: bytearray) -> None:
+def _read_all(screen, written):
     with suppress(OSError):  # the program has ended
         while data := os.read(screen, 1 << 16):
             written += data
 
 
 @pytest.mark.usefixtures("private_network")
-def test_programs_of_a_healthy_bus_stay_as_they_are(
-    start: Callable[..., Any], start_python: Callable[..., Any], lcmtools_path: str, tmp_path: Path
-) -> None:
+def test_programs_of_a_healthy_bus_stay_as_they_are(start, start_python, lcmtools_path, tmp_path):
     log = str(tmp_path / "a.lcmlog")
     programs = {
         "node": start_python(_READER),
@@ -141,13 +137,11 @@ def test_programs_of_a_healthy_bus_stay_as_they_are(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_names_without_end_cost_a_view_little(
-    lcmtools_path: str, wait_until: Callable[..., None]
-) -> None:
+def test_names_without_end_cost_a_view_little(lcmtools_path, wait_until):
     few = _names(500)
     with spy(lcmtools_path) as (pid, written):
 
-        def is_seen() -> bool:
+        def is_seen():
             _send(few, 0.2)
             return b"500 channels" in written
 

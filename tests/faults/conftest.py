@@ -17,7 +17,7 @@ import subprocess
 import sys
 import sysconfig
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +27,6 @@ import pytest
 
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.url import choose_url
-from lcmtools.graph.model import Graph, Node
 
 _PACKAGES = Path(sysconfig.get_path("purelib"))
 _HERE = Path(__file__).parent
@@ -74,17 +73,17 @@ class Found:
     actions: Sequence[dict[str, Any]]
 
     @property
-    def everything(self) -> str:
+    def everything(self):
         """All of it, as one text."""
         return "\n".join((self.text, *self.items, *self.remedies))
 
     @property
-    def variables(self) -> dict[str, str]:
+    def variables(self):
         """The variables that the remedies set."""
         return {one["variable"]: one["value"] for one in self.actions if "variable" in one}
 
     @property
-    def commands(self) -> list[str]:
+    def commands(self):
         """The commands in the remedies, as root types them."""
         return [word.replace("sudo ", "") for one in self.actions for word in one["commands"]]
 
@@ -92,32 +91,32 @@ class Found:
 class World:
     """A network with processes in it, and wtf."""
 
-    def __init__(self, start: Callable[..., Any], folder: Path, command: str) -> None:
+    def __init__(self, start, folder, command):
         self._start, self._folder, self.command = start, folder, command
-        self._started: dict[int, tuple[tuple[str, ...], dict[str, str]]] = {}
-        self._programs: dict[int, Any] = {}
+        self._started = {}
+        self._programs = {}
         self.planted, self.found, self.looks, self.alarms = 0, 0, 0, 0
 
     # --- processes -----------------------------------------------------------------------------
 
-    def start(self, *command: str, **environment: str) -> Any:
+    def start(self, *command, **environment):
         """Any process."""
         program = self._start(*command, **environment)
         self._started[program.pid] = command, environment
         self._programs[program.pid] = program
         return program
 
-    def node(self, *arguments: str, **environment: str) -> Any:
+    def node(self, *arguments, **environment):
         """``lcmtools run ...``, once its node has announced itself."""
         return self.tool("run", *arguments, **environment)
 
-    def tool(self, *arguments: str, **environment: str) -> Any:
+    def tool(self, *arguments, **environment):
         """Any command of lcmtools, once its node has announced itself."""
         program = self.start(self.command, *arguments, **environment)
         self.until(lambda: program.pid in self.pids(**environment))
         return program
 
-    def script(self, source: str, *arguments: str, ready: str = "", **environment: str) -> Any:
+    def script(self, source, *arguments, ready="", **environment):
         """A Python program; with ``ready``, once it has printed that."""
         path = self._folder / f"program_{len(self._started)}.py"
         path.write_text(source)
@@ -126,22 +125,22 @@ class World:
             program.wait_for(ready)
         return program
 
-    def sends(self, statements: str, period: float = 0.02, **environment: str) -> Any:
+    def sends(self, statements, period=0.02, **environment):
         """A plain LCM program that does these statements again and again."""
         return self.script(_LOOP, statements, str(period), ready="sends", **environment)
 
-    def hears(self, *channels: str, **environment: str) -> Any:
+    def hears(self, *channels, **environment):
         """A plain LCM program that listens to channels (patterns)."""
         return self.script(_HEARS, *channels, ready="listens", **environment)
 
-    def lcm(self, name: str, *arguments: str, **environment: str) -> Any:
+    def lcm(self, name, *arguments, **environment):
         """A program of the lcm package; a listener once it has joined the bus."""
         program = self.start(self.program(name), *arguments, **environment)
         if name != "lcm-source":
             self.until(lambda: self.listens(program))
         return program
 
-    def c(self, name: str, *arguments: str, **environment: str) -> Any:
+    def c(self, name, *arguments, **environment):
         """A C program of this folder, linked with the lcm package's library."""
         compiler = shutil.which("gcc") or pytest.skip("no gcc to compile C programs with")
         program = self._folder / name
@@ -153,7 +152,7 @@ class World:
         started.wait_for("ready")
         return started
 
-    def java(self, name: str, *arguments: str, **environment: str) -> Any:
+    def java(self, name, *arguments, **environment):
         """A Java program of this folder, with the lcm package's lcm.jar."""
         jar = _PACKAGES / "share/java/lcm.jar"
         java, compiler = shutil.which("java"), shutil.which("javac")
@@ -167,14 +166,7 @@ class World:
         started.wait_for("ready")
         return started
 
-    def again(
-        self,
-        program: Any,
-        *arguments: str,
-        without: str = "",
-        replacing: Mapping[str, str] = {},
-        **environment: str,
-    ) -> Any:
+    def again(self, program, *arguments, without="", replacing=None, **environment):
         """End a program and start it as it was, with these arguments and variables added.
 
         Of arguments like __ns:=/a it has each once: the new ones replace.
@@ -183,7 +175,7 @@ class World:
         self.end(program)
         said = {word.partition(":=")[0] for word in arguments if ":=" in word}
         kept = [
-            replacing.get(word, word)
+            (replacing or {}).get(word, word)
             for word in command
             if word != without and (":=" not in word or word.partition(":=")[0] not in said)
         ]
@@ -195,10 +187,10 @@ class World:
             self.until(lambda: program.lines or self.listens(program))
         return program
 
-    def obey(self, found: Found, *kinds: str) -> None:
+    def obey(self, found, *kinds):
         """Do what the remedies of these kinds say (else all): start programs otherwise, type."""
         pids = [one["pid"] for one in found.subjects if one["pid"] in self._programs]
-        nodes: dict[tuple[str, ...], None] = {}
+        nodes = {}
         for action in found.actions:
             if action["kind"] in kinds or not kinds:
                 if "node" in action and _change(action):
@@ -208,7 +200,7 @@ class World:
         for name, added, without in nodes:
             self.again(self.of_node(name), *filter(None, [added]), without=without)
 
-    def _do(self, action: Mapping[str, Any], pids: Sequence[int]) -> None:
+    def _do(self, action, pids):
         kind = action["kind"]
         if kind == "republish":
             words = {action["channel"]: action["topic"]}
@@ -222,11 +214,11 @@ class World:
         elif action["commands"]:  # others in it are further ways
             self.type(action["commands"][0].replace("sudo ", ""))
 
-    def program(self, name: str) -> str:
+    def program(self, name):
         """The path of a program of the lcm package."""
         return str(_PACKAGES / "bin" / name)
 
-    def fingerprint(self, definition: str) -> str:
+    def fingerprint(self, definition):
         """The fingerprint that lcm-gen gives a type's definition, as hexadecimal digits."""
         file = self._folder / "type.lcm"
         file.write_text(definition)
@@ -238,16 +230,16 @@ class World:
         done = subprocess.run(command, cwd=self._folder, check=True, capture_output=True, text=True)
         return done.stdout.strip()
 
-    def is_heard_by(self, user: int) -> bool:
+    def is_heard_by(self, user):
         """Return whether a program of this user listens to the usual bus."""
         rows = Path("/proc/thread-self/net/udp").read_text().splitlines()[1:]
         return any(row.split()[7] == str(user) and row.split()[1].endswith(":1DF3") for row in rows)
 
-    def node_of(self, program: Any) -> Node:
+    def node_of(self, program):
         """The node of a program, as it is announced."""
-        found: list[Node] = []
+        found = []
 
-        def is_there() -> list[Node]:
+        def is_there():
             found[:] = [one for one in self.graph().nodes if one.pid == program.pid]
             return found
 
@@ -255,11 +247,11 @@ class World:
         (node,) = found
         return node
 
-    def of_node(self, name: str, **environment: str) -> Any:
+    def of_node(self, name, **environment):
         """The program of a node."""
-        found: list[Any] = []
+        found = []
 
-        def is_there() -> list[Any]:
+        def is_there():
             nodes = self.graph(**environment).named(name)
             found[:] = [self._programs[one.pid] for one in nodes if one.pid in self._programs]
             return found
@@ -268,7 +260,7 @@ class World:
         (program,) = found
         return program
 
-    def end(self, program: Any) -> None:
+    def end(self, program):
         """End a program as Ctrl-C does, or as kill does what minds no Ctrl-C."""
         program.send_signal(2)
         try:
@@ -277,7 +269,7 @@ class World:
             program.send_signal(15)
             program.wait()
 
-    def type(self, command: str, **environment: str) -> str:
+    def type(self, command, **environment):
         """Type a command into a shell, as it stands; its output."""
         words = {"lcmtools": self.command}
         first, _, rest = command.partition(" ")
@@ -297,17 +289,17 @@ class World:
 
     # --- what there is ---------------------------------------------------------------------------
 
-    def graph(self, **environment: str) -> Graph:
+    def graph(self, **environment):
         """The packets on a bus."""
         url, _ = choose_url("", "", {**os.environ, **environment})
         with QuickProbe(url) as glance:
             return glance.graph()
 
-    def pids(self, **environment: str) -> set[int]:
+    def pids(self, **environment):
         """The processes of the nodes on a bus."""
         return {node.pid for node in self.graph(**environment).nodes}
 
-    def listens(self, program: Any) -> bool:
+    def listens(self, program):
         """Return whether a program listens to a multicast group."""
         rows = Path(f"/proc/{program.pid}/net/udp").read_text().splitlines()[1:]
         held = set()
@@ -317,7 +309,7 @@ class World:
         mine = [row.split() for row in rows if f"socket:[{row.split()[9]}]" in held]
         return any(row[1].split(":")[0].endswith("EF") or row[1].endswith(":1DF3") for row in mine)
 
-    def until(self, condition: Callable[[], object], timeout: float = 40.0) -> None:
+    def until(self, condition, timeout=40.0):
         """Wait for something; fails the test where it does not come."""
         deadline = time.monotonic() + timeout
         while not condition():
@@ -326,7 +318,7 @@ class World:
 
     # --- wtf -------------------------------------------------------------------------------------
 
-    def look(self, *arguments: str, wait: str = "0.5s", **environment: str) -> list[Found]:
+    def look(self, *arguments, wait="0.5s", **environment):
         """The findings of wtf, all rules; checks that the exit code goes with it."""
         result = subprocess.run(
             [self.command, "wtf", "--json", "--wait", wait, *arguments],
@@ -344,7 +336,7 @@ class World:
         assert result.returncode == worst
         return found
 
-    def finds(self, rule: str, *who: object, **options: Any) -> Found:
+    def finds(self, rule, *who, **options):
         """Let wtf name this fault, with all of ``who`` in it, and nothing else."""
         self.planted += 1
         texts = [str(text) for text in who]
@@ -357,7 +349,7 @@ class World:
         assert not missing, f"{missing} are not in:\n{_told(found)}"
         return named[0]
 
-    def is_silent(self, **options: Any) -> None:
+    def is_silent(self, **options):
         """Let wtf find nothing at all."""
         self.looks += 1
         found = self.look(**options)
@@ -365,7 +357,7 @@ class World:
         assert found == [], _told(found)
 
 
-def _change(action: Mapping[str, Any]) -> tuple[str, ...]:
+def _change(action):
     """The argument that a node is to have, and the one that it is not to have any more."""
     kind, without = action["kind"], action.get("argument", "")
     added = f"__ns:={action['namespace']}" if kind == "namespace" else ""
@@ -373,23 +365,23 @@ def _change(action: Mapping[str, Any]) -> tuple[str, ...]:
     return (added, without) if added or kind == "drop-remap" else ()
 
 
-def _missing(found: Sequence[Found], texts: Sequence[str]) -> list[str]:
+def _missing(found, texts):
     everything = "\n".join(one.everything for one in found)
     return [text for text in texts if text not in everything]
 
 
-def _told(found: Sequence[Found]) -> str:
+def _told(found):
     return "\n".join(f"{one.rule} ({one.severity}): {one.everything}" for one in found) or "nothing"
 
 
 @pytest.fixture
 def world(
-    private_network: None,  # noqa: ARG001 - it is there while the world is
-    start: Callable[..., Any],
-    tmp_path: Path,
-    lcmtools_path: str,
-    record_property: Callable[[str, object], None],
-) -> Any:
+    private_network,  # noqa: ARG001 - it is there while the world is
+    start,
+    tmp_path,
+    lcmtools_path,
+    record_property,
+):
     """A network of the test's own, with nothing in it yet."""
     made = World(start, tmp_path, lcmtools_path)
     yield made

@@ -1,8 +1,6 @@
 """Faults in messages: lost, from two, slower, slow simulated time, odd values, wrong types."""
 
 import signal
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -77,7 +75,7 @@ ODOM = "Odometry(); m.pose.pose.orientation.w = 1.0; m.header.stamp = now"
 GOOD = f"m = {ODOM}; SEND"
 
 
-def test_two_plain_programs_steer_the_same_actuator(world: Any) -> None:
+def test_two_plain_programs_steer_the_same_actuator(world):
     world.hears("/cmd_vel")
     first, second = (world.sends("bus.publish('/cmd_vel', Twist().encode())") for _ in "ab")
     world.finds("competing-publishers", first.pid, second.pid, "/cmd_vel", "end one of them")
@@ -86,7 +84,7 @@ def test_two_plain_programs_steer_the_same_actuator(world: Any) -> None:
 
 
 @pytest.mark.parametrize("options", [("-r", "0.2"), ("--latch",)], ids=" ".join)
-def test_a_command_that_was_left_over_steers_too(world: Any, options: tuple[str, ...]) -> None:
+def test_a_command_that_was_left_over_steers_too(world, options):
     world.hears("/cmd_vel")
     program = world.sends("bus.publish('/cmd_vel', Twist().encode())")
     left = world.tool("pub", *options, "/cmd_vel", "geometry_msgs/Twist", "{}")
@@ -96,7 +94,7 @@ def test_a_command_that_was_left_over_steers_too(world: Any, options: tuple[str,
     world.is_silent()
 
 
-def test_a_sender_whose_messages_get_lost(world: Any) -> None:
+def test_a_sender_whose_messages_get_lost(world):
     sender = world.script(SKIPS, "10", ready="sends")
     world.finds("loss", sender.pid, "before they left it")
     world.end(sender)
@@ -104,7 +102,7 @@ def test_a_sender_whose_messages_get_lost(world: Any) -> None:
     world.is_silent()
 
 
-def _beating(world: Any, every: int) -> Any:
+def _beating(world, every):
     """A node that has beaten long enough to have a usual rate, and a command that listens."""
     beat = world.script(RATES, str(every))
     world.until(lambda: beat.pid in world.pids())
@@ -113,12 +111,12 @@ def _beating(world: Any, every: int) -> Any:
     return beat
 
 
-def _beats(world: Any) -> int:
+def _beats(world):
     ends = [end for node in world.graph().nodes for end in node.endpoints]
     return max((end.messages for end in ends if end.topic == "/beat"), default=0)
 
 
-def test_a_node_that_has_become_slower(world: Any) -> None:
+def test_a_node_that_has_become_slower(world):
     beat = _beating(world, 10)
     beat.send_signal(signal.SIGUSR1)
     world.finds("slow-rate", "/beat", " Hz instead of ", wait="0.6s")
@@ -126,7 +124,7 @@ def test_a_node_that_has_become_slower(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_plain_publisher_that_is_frozen(world: Any) -> None:
+def test_a_plain_publisher_that_is_frozen(world):
     """Nothing of it is on the bus any more: its process tells."""
     world.node("talker")
     world.node("listener")
@@ -136,7 +134,7 @@ def test_a_plain_publisher_that_is_frozen(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_simulator_that_was_made_slow(world: Any) -> None:
+def test_a_simulator_that_was_made_slow(world):
     world.node("sim", "--world", "empty")
     world.type("lcmtools sim set-rate 0.4")
     found = world.finds("slow-simulator", "/gazebo", "0.4", wait="0.8s")
@@ -144,12 +142,12 @@ def test_a_simulator_that_was_made_slow(world: Any) -> None:
     world.is_silent()
 
 
-def test_large_messages_of_which_a_part_never_comes(world: Any) -> None:
+def test_large_messages_of_which_a_part_never_comes(world):
     sender = world.script(RAW, "part(3000, 0, 0, 3, bytes(1000))", ready="sends")
     world.finds("loss", f"(pid {sender.pid})", "before they left it")
 
 
-def test_a_node_that_receives_large_messages_without_their_ends(world: Any) -> None:
+def test_a_node_that_receives_large_messages_without_their_ends(world):
     listener = world.script(EAR)
     world.until(lambda: listener.pid in world.pids())
     sender = world.script(RAW, "part(3000, 0, 0, 3, bytes(1000))", ready="sends")
@@ -162,7 +160,7 @@ def test_a_node_that_receives_large_messages_without_their_ends(world: Any) -> N
     world.until(lambda: not world.look("--rule", "incomplete-messages", wait="1.2s"))
 
 
-def _sends(world: Any, statements: str) -> Any:
+def _sends(world, statements):
     made = statements.replace("ODOM", ODOM)
     stamp = "now = Time(); now.sec = int(time.time()); "
     return world.sends(stamp + made.replace("SEND", "bus.publish('/it', m.encode())"), 0.03)
@@ -185,7 +183,7 @@ def _sends(world: Any, statements: str) -> Any:
         ),
     ],
 )
-def test_odd_contents(world: Any, statements: str, rule: str, what: str) -> None:
+def test_odd_contents(world, statements, rule, what):
     sender = _sends(world, statements)
     found = world.finds(rule, "/it from ", f"(pid {sender.pid})", what, wait="0.3s")
     assert found.severity == "warning"
@@ -194,7 +192,7 @@ def test_odd_contents(world: Any, statements: str, rule: str, what: str) -> None
     world.is_silent(wait="0.3s")
 
 
-def test_a_c_program_with_another_fingerprint(world: Any) -> None:
+def test_a_c_program_with_another_fingerprint(world):
     world.node("listener")
     sender = world.c("sends", "/chatter", "2e7c07d7cdf7e027", "56", "20")
     world.finds("type-mismatch", sender.pid, "geometry_msgs/Twist", "std_msgs/String")
@@ -203,14 +201,14 @@ def test_a_c_program_with_another_fingerprint(world: Any) -> None:
     world.is_silent()
 
 
-def test_of_java_programs_that_share_a_port_the_candidates_are_named(world: Any) -> None:
+def test_of_java_programs_that_share_a_port_the_candidates_are_named(world):
     world.node("listener")
     ears = world.java("Listens", "/other")
     sender = world.java("Sends", "/chatter", "2e7c07d7cdf7e027", "56", "20")
     world.finds("type-mismatch", f"(pid {ears.pid})", f"(pid {sender.pid})", " or ")
 
 
-def test_programs_that_send_on_one_channel_from_one_port_as_those_of_java_do(world: Any) -> None:
+def test_programs_that_send_on_one_channel_from_one_port_as_those_of_java_do(world):
     words = "DRIVE", "bytes.fromhex('2e7c07d7cdf7e027') + bytes(48)"  # geometry_msgs/Twist
     one, other = (world.script(SHARES, *words, ready="sends") for _ in range(2))
     named = (f"(pid {one.pid})", f"(pid {other.pid})")
@@ -219,7 +217,7 @@ def test_programs_that_send_on_one_channel_from_one_port_as_those_of_java_do(wor
     world.is_silent(wait="1s")
 
 
-def test_of_programs_that_share_a_port_as_those_of_java_do_one_sends_elsewhere(world: Any) -> None:
+def test_of_programs_that_share_a_port_as_those_of_java_do_one_sends_elsewhere(world):
     world.node("listener")
     head = "bytes.fromhex('2e7c07d7cdf7e027') + bytes(48)"  # geometry_msgs/Twist
     sender = world.script(SHARES, "/chatter", head, ready="sends")
@@ -242,7 +240,7 @@ def test_of_programs_that_share_a_port_as_those_of_java_do_one_sends_elsewhere(w
         ("bytes([8, number % 100, 18, 5]) + b'hello'", "protobuf"),
     ],
 )
-def test_payloads_that_are_no_lcm_messages(world: Any, payload: str, form: str) -> None:
+def test_payloads_that_are_no_lcm_messages(world, payload, form):
     world.hears("IT")
     sender = world.sends(f"bus.publish('IT', {payload})")
     found = world.finds("unknown-type", sender.pid, "not LCM messages", f"): {form}")
@@ -252,19 +250,19 @@ def test_payloads_that_are_no_lcm_messages(world: Any, payload: str, form: str) 
     world.is_silent()
 
 
-def test_a_log_of_yesterday_is_played_again(world: Any) -> None:
+def test_a_log_of_yesterday_is_played_again(world):
     sender = _sends(world, f"now.sec -= 86400; now.nsec = int(time.time() % 1 * 1e9); {GOOD}")
     found = world.finds("stamps", f"(pid {sender.pid})", "as if a log were played", wait="0.5s")
     assert found.severity == "note"
 
 
-def test_a_channel_that_is_not_utf_8(world: Any) -> None:
+def test_a_channel_that_is_not_utf_8(world):
     datagram = r"b'LC02' + struct.pack('>I', number) + b'caf\xe9\0' + bytes(16)"
     sender = world.script(RAW, datagram, ready="sends")
     world.finds("names", sender.pid, r"'caf\xe9'", "it is not UTF-8")
 
 
-def test_a_type_of_which_nothing_is_known_here(world: Any) -> None:
+def test_a_type_of_which_nothing_is_known_here(world):
     world.hears("STATE")
     fingerprint = world.fingerprint("package own; struct State { int16_t wheels[4]; }")
     sender = world.c("sends", "STATE", fingerprint, "16", "20")
@@ -272,7 +270,7 @@ def test_a_type_of_which_nothing_is_known_here(world: Any) -> None:
     assert found.severity == "note"
 
 
-def test_an_old_definition_of_a_message(world: Any) -> None:
+def test_an_old_definition_of_a_message(world):
     fingerprint = world.fingerprint("package old; struct Pose2D { double x; double y; }")
     hears = (
         "import lcmtools\nfrom lcmtools.types.geometry_msgs import Pose2D\nlcmtools.init()\n"
@@ -297,9 +295,7 @@ def test_an_old_definition_of_a_message(world: Any) -> None:
         ("double x; double y;", "double x; float y;", "y is float32, not float64"),
     ],
 )
-def test_an_older_type_on_the_path(
-    world: Any, tmp_path: Path, old: str, new: str, difference: str
-) -> None:
+def test_an_older_type_on_the_path(world, tmp_path, old, new, difference):
     old, new = (f"package own; struct state {{ {fields} }}" for fields in (old, new))
     world.hears("STATE")
     world.c("sends", "STATE", world.fingerprint(new), "32" if "y; " in new else "20", "20")
@@ -313,7 +309,7 @@ def test_an_older_type_on_the_path(
     world.is_silent(**path)
 
 
-def test_two_versions_of_a_type_among_plain_programs(world: Any) -> None:
+def test_two_versions_of_a_type_among_plain_programs(world):
     fingerprint = world.fingerprint("package old; struct Pose2D { double x; double y; }")
     sender = world.c("sends", "POSE", fingerprint, "16", "20")
     world.sends("bus.publish('POSE', Pose2D().encode())")

@@ -3,7 +3,6 @@
 import re
 import signal
 import time
-from typing import Any
 
 _SWITCHED = """
 import signal, sys, time, lcm
@@ -50,14 +49,14 @@ while True:
 _NAN = "m = Twist(); m.linear.x = math.nan; bus.publish('/bad', m.encode())"
 
 
-def _watched(world: Any) -> Any:
+def _watched(world):
     """``wtf --watch``, after its first look, which finds nothing."""
     watch = world.start(world.command, "wtf", "--watch", "--wait", "1s")
     watch.wait_for("No errors or warnings")
     return watch
 
 
-def _let_it_look_again(world: Any, watch: Any) -> None:
+def _let_it_look_again(world, watch):
     """Plant another fault, and mend it: both are seen by later looks."""
     bad = world.sends(_NAN)
     watch.wait_for("are not finite")
@@ -65,7 +64,7 @@ def _let_it_look_again(world: Any, watch: Any) -> None:
     watch.wait_for("CLEARED Numbers")
 
 
-def test_a_plain_program_that_falls_silent_is_told_until_it_ends(world: Any) -> None:
+def test_a_plain_program_that_falls_silent_is_told_until_it_ends(world):
     sender = world.script(_SWITCHED, "A", "0.05", "1000", ready="runs")
     watch = _watched(world)
     sender.send_signal(signal.SIGUSR1)
@@ -77,7 +76,7 @@ def test_a_plain_program_that_falls_silent_is_told_until_it_ends(world: Any) -> 
     watch.wait_for("CLEARED The following have stopped")
 
 
-def test_a_plain_program_that_becomes_slow_is_told_for_as_long_as_it_is(world: Any) -> None:
+def test_a_plain_program_that_becomes_slow_is_told_for_as_long_as_it_is(world):
     sender = world.script(_SWITCHED, "A", "0.1", "1", "0.1", ready="runs")
     watch = _watched(world)
     sender.send_signal(signal.SIGUSR1)
@@ -88,7 +87,7 @@ def test_a_plain_program_that_becomes_slow_is_told_for_as_long_as_it_is(world: A
     watch.wait_for("CLEARED The following have become slower")
 
 
-def test_one_look_compares_a_plain_program_with_its_average(world: Any) -> None:
+def test_one_look_compares_a_plain_program_with_its_average(world):
     sender = world.script(_SWITCHED, "A", "0.02", "0.5", "0.02", ready="runs")
     time.sleep(6.0)
     world.is_silent()
@@ -96,12 +95,12 @@ def test_one_look_compares_a_plain_program_with_its_average(world: Any) -> None:
     world.finds("slow-rate", f"(pid {sender.pid})", "on average since its start", wait="1s")
 
 
-def _beats(world: Any) -> int:
+def _beats(world):
     ends = [end for node in world.graph().nodes for end in node.endpoints]
     return max((end.messages for end in ends if end.topic == "/beat"), default=0)
 
 
-def test_a_node_that_falls_from_ten_messages_a_second_to_one(world: Any) -> None:
+def test_a_node_that_falls_from_ten_messages_a_second_to_one(world):
     beat = world.script(_NODE, ready="runs")
     world.start(world.command, "echo", "/beat")
     world.until(lambda: _beats(world) > 40)
@@ -114,7 +113,7 @@ def test_a_node_that_falls_from_ten_messages_a_second_to_one(world: Any) -> None
     assert found.severity == "note"
 
 
-def test_a_program_that_publishes_once_in_five_seconds(world: Any) -> None:
+def test_a_program_that_publishes_once_in_five_seconds(world):
     world.script(_SWITCHED, "/chatter", "5", ready="runs")
     listener = world.node("listener")
     for _ in range(2):
@@ -123,20 +122,20 @@ def test_a_program_that_publishes_once_in_five_seconds(world: Any) -> None:
         world.is_silent(wait="1s")
 
 
-def test_a_program_that_is_started_again_and_again(world: Any) -> None:
+def test_a_program_that_is_started_again_and_again(world):
     world.script(_RESTARTED, ready="runs")
     for _ in range(4):
         world.is_silent(wait="1s")
 
 
-def test_two_slow_programs_publish_the_same(world: Any) -> None:
+def test_two_slow_programs_publish_the_same(world):
     for _ in "ab":
         world.script(_SWITCHED, "/goal", "0.7", ready="runs")
     found = world.finds("competing-publishers", "/goal", wait="1s")
     assert found.severity == "warning"
 
 
-def test_a_listener_that_is_stopped_and_continued_all_the_time(world: Any) -> None:
+def test_a_listener_that_is_stopped_and_continued_all_the_time(world):
     world.sends("bus.publish('A', String().encode())")
     listener = world.hears("A")
     source = (
@@ -149,14 +148,14 @@ def test_a_listener_that_is_stopped_and_continued_all_the_time(world: Any) -> No
         world.is_silent()
 
 
-def test_a_simulator_that_has_too_much_to_do(world: Any) -> None:
+def test_a_simulator_that_has_too_much_to_do(world):
     world.node("sim", "--world", "pioneer", "--rate", "6")
     cameras = ("depth/image_raw", "depth/points", "rgb/image_raw")
     viewers = [world.start(world.command, "hz", f"/camera/{name}") for name in cameras]
 
-    found: list[Any] = []
+    found = []
 
-    def is_found() -> bool:
+    def is_found():
         found[:] = world.look("--rule", "slow-simulator", wait="0.8s")
         return bool(found)
 
@@ -183,7 +182,7 @@ while True:
 """
 
 
-def test_a_slow_clock_that_seldom_ticks(world: Any) -> None:
+def test_a_slow_clock_that_seldom_ticks(world):
     clock = world.script(_CLOCK, ready="runs")
     for _ in range(2):
         # the first look hears at least one tick, and a tick may be sent or arrive late
@@ -206,7 +205,7 @@ lcmtools.spin(node)
 _FIVE = "data = String().encode(); [bus.publish('/chatter', data) for _ in range(5)]"
 
 
-def test_a_queue_of_one_for_texts_that_come_five_at_a_time(world: Any) -> None:
+def test_a_queue_of_one_for_texts_that_come_five_at_a_time(world):
     ear = world.script(_EAR_OF_ONE.replace("DEPTH", "1"))
     world.until(lambda: ear.pid in world.pids())
     world.sends(_FIVE, 1.5)

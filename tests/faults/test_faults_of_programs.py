@@ -4,7 +4,6 @@ import json
 import signal
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -30,7 +29,7 @@ time.sleep(1000)
 """
 
 
-def test_a_listener_outside_its_namespace(world: Any) -> None:
+def test_a_listener_outside_its_namespace(world):
     world.node("talker", "__ns:=/robot")
     world.node("listener")
     found = world.finds(UNFED, "/listener", "/chatter", "start /listener with __ns:=/robot")
@@ -38,7 +37,7 @@ def test_a_listener_outside_its_namespace(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_controller_without_its_namespace_and_remap(world: Any) -> None:
+def test_a_controller_without_its_namespace_and_remap(world):
     """The Husky lab's own: two flags are missing, one after the other."""
     world.node("sim", "--world", "husky")
     world.node("simple_controller")
@@ -53,14 +52,14 @@ def test_a_controller_without_its_namespace_and_remap(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_plain_program_with_a_slip_in_its_channel(world: Any) -> None:
+def test_a_plain_program_with_a_slip_in_its_channel(world):
     world.sends("bus.publish('/chatterr', String().encode())")
     world.node("listener")
     world.obey(world.finds(UNFED, "start /listener with chatter:=/chatterr"))
     world.is_silent()
 
 
-def test_a_simulator_that_was_killed_is_the_only_finding(world: Any) -> None:
+def test_a_simulator_that_was_killed_is_the_only_finding(world):
     sim = world.node("sim", "--world", "husky")
     world.node("simple_controller", "__ns:=/husky0", "controlled_velocity:=velocity_cmd")
     world.tool(*STEER)
@@ -72,7 +71,7 @@ def test_a_simulator_that_was_killed_is_the_only_finding(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_stopped_listener(world: Any) -> None:
+def test_a_stopped_listener(world):
     listener = world.lcm("lcm-sink")
     world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener.send_signal(signal.SIGSTOP)
@@ -82,7 +81,7 @@ def test_a_stopped_listener(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_stopped_listener_is_ended(world: Any) -> None:
+def test_a_stopped_listener_is_ended(world):
     world.node("talker")
     listener = world.node("listener")
     listener.wait_for("I heard")
@@ -93,7 +92,7 @@ def test_a_stopped_listener_is_ended(world: Any) -> None:
     assert listener.wait(timeout=10) == -signal.SIGKILL
 
 
-def test_a_listener_that_hangs(world: Any) -> None:
+def test_a_listener_that_hangs(world):
     world.sends("m = String(); m.data = 5000 * 'x'; bus.publish('A', m.encode())", 0.005)
     listener = world.script(HANGS, ready="listens")
     world.finds(
@@ -121,9 +120,7 @@ while True:
 
 @pytest.mark.parametrize("does", ["time.sleep(1000)", "pass"], ids=["waits", "computes"])
 @pytest.mark.parametrize("period", [0.005, 0.5])
-def test_a_plain_program_whose_callback_does_not_return(
-    world: Any, does: str, period: float
-) -> None:
+def test_a_plain_program_whose_callback_does_not_return(world, does, period):
     """The thread of liblcm still empties its socket."""
     world.node("talker")
     world.node("listener")
@@ -137,7 +134,7 @@ def test_a_plain_program_whose_callback_does_not_return(
     world.is_silent()
 
 
-def test_a_plain_program_that_handles_its_messages_once_a_second(world: Any) -> None:
+def test_a_plain_program_that_handles_its_messages_once_a_second(world):
     world.sends("bus.publish('A', String().encode())")
     source = _IN_A_CALLBACK.replace("bus.handle()", "time.sleep(1); bus.handle()")
     world.script(source.replace("count > 3", "False"), ready="listens")
@@ -154,14 +151,14 @@ lcmtools.spin(node)
 """
 
 
-def test_an_absolute_name_in_a_namespace(world: Any) -> None:
+def test_an_absolute_name_in_a_namespace(world):
     world.node("talker", "__ns:=/husky0")
     ear = world.script(EARS, "__ns:=/husky0")
     world.until(lambda: ear.pid in world.pids())
     world.finds("unconnected-subscriptions", "/husky0/ear use 'chatter' in place of '/chatter'")
 
 
-def test_a_command_in_a_namespace_that_is_mistyped(world: Any) -> None:
+def test_a_command_in_a_namespace_that_is_mistyped(world):
     world.node("listener", "__ns:=/husky0")
     pub = world.tool("pub", "-r", "5", "/husky/chatter", "std_msgs/String", "data: hi")
     world.until(lambda: pub.pid in world.pids())
@@ -181,7 +178,7 @@ lcmtools.spin(node)
 """
 
 
-def test_a_callback_that_raises(world: Any) -> None:
+def test_a_callback_that_raises(world):
     world.node("talker")
     reader = world.script(RAISES)
     world.until(lambda: any(node.errors for node in world.graph().nodes))
@@ -197,7 +194,7 @@ def test_a_callback_that_raises(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_message_that_no_usual_buffer_takes(world: Any) -> None:
+def test_a_message_that_no_usual_buffer_takes(world):
     sink = world.lcm("lcm-sink")
     sender = world.c("sends", "CAM", *LARGE)
     found = world.finds("small-buffer", sender.pid, f"(pid {sink.pid}): holds ", "1500000 bytes")
@@ -205,7 +202,7 @@ def test_a_message_that_no_usual_buffer_takes(world: Any) -> None:
     world.is_silent()
 
 
-def test_bursts_that_a_small_buffer_does_not_take(world: Any) -> None:
+def test_bursts_that_a_small_buffer_does_not_take(world):
     url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2500"
     sink = world.hears("A", LCM_DEFAULT_URL=url)
     sender = world.sends(BURSTS, 0.05)
@@ -215,7 +212,7 @@ def test_bursts_that_a_small_buffer_does_not_take(world: Any) -> None:
     assert sender.pid
 
 
-def test_bursts_beside_a_larger_message(world: Any) -> None:
+def test_bursts_beside_a_larger_message(world):
     """What a program drops is told also while its buffer is too small for another message."""
     url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2500"
     sink = world.hears("A", "B", LCM_DEFAULT_URL=url)
@@ -228,7 +225,7 @@ def test_bursts_beside_a_larger_message(world: Any) -> None:
     world.is_silent(wait="1.2s")
 
 
-def test_a_program_with_nearly_all_files_open(world: Any) -> None:
+def test_a_program_with_nearly_all_files_open(world):
     command = "import sys; kept = [open('/dev/null') for _ in range(960)]\n"
     hears = (
         "import lcm, time\nbus = lcm.LCM()\nbus.subscribe('A', print)\n"
@@ -246,7 +243,7 @@ def test_a_program_with_nearly_all_files_open(world: Any) -> None:
     assert found.severity == "warning"
 
 
-def test_watch_shows_what_appears_and_clears(world: Any) -> None:
+def test_watch_shows_what_appears_and_clears(world):
     world.sends("bus.publish('/good', Twist().encode())")
     watch = world.start(world.command, "wtf", "--watch", "--json", "--wait", "0.3s")
     text = world.start(world.command, "wtf", "--watch", "--wait", "0.3s")
@@ -264,7 +261,7 @@ def test_watch_shows_what_appears_and_clears(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_node_that_ends_during_a_look_is_no_plain_program(world: Any) -> None:
+def test_a_node_that_ends_during_a_look_is_no_plain_program(world):
     world.tool("pub", "-r", "20", "/pose", "geometry_msgs/Pose", "{orientation: {w: 1}}")
     ends = world.tool("pub", "-r", "20", "/pose", "geometry_msgs/Quaternion", "{}")
     name = world.node_of(ends).name
@@ -279,7 +276,7 @@ def test_a_node_that_ends_during_a_look_is_no_plain_program(world: Any) -> None:
     assert name in str(found)
 
 
-def test_a_publisher_that_is_gone(world: Any) -> None:
+def test_a_publisher_that_is_gone(world):
     talker = world.node("talker")
     world.node("listener").wait_for("I heard")
     world.is_silent()
@@ -291,7 +288,7 @@ def test_a_publisher_that_is_gone(world: Any) -> None:
 
 
 @pytest.mark.parametrize("program", ["nothing", "a quiet one"])
-def test_a_plain_publisher_that_is_gone(world: Any, program: str) -> None:
+def test_a_plain_publisher_that_is_gone(world, program):
     sender = world.sends("m = String(); bus.publish('/chatter', m.encode())")
     world.node("listener").wait_for("I heard")
     if program == "a quiet one":  # it did not send what came before
@@ -303,7 +300,7 @@ def test_a_plain_publisher_that_is_gone(world: Any, program: str) -> None:
     world.is_silent()
 
 
-def test_a_topic_that_nothing_publishes(world: Any) -> None:
+def test_a_topic_that_nothing_publishes(world):
     world.node("listener")
     found = world.finds(UNFED, "start a publisher of /chatter")
     assert [action["kind"] for action in found.actions] == ["start-publisher"]
@@ -311,7 +308,7 @@ def test_a_topic_that_nothing_publishes(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_node_without_spin_is_told_before_its_queue_is_full(world: Any) -> None:
+def test_a_node_without_spin_is_told_before_its_queue_is_full(world):
     world.sends("bus.publish('/chatter', String().encode())", 0.5)
     source = EARS.replace("None, 10)", "None, 1000)")  # however late the look is
     ear = world.script(source.replace("lcmtools.spin(node)", "import time; time.sleep(1000)"))
@@ -323,11 +320,11 @@ def test_a_node_without_spin_is_told_before_its_queue_is_full(world: Any) -> Non
     world.is_silent()
 
 
-def _sent(world: Any, program: Any) -> int:
+def _sent(world, program):
     return max(end.messages for end in world.node_of(program).endpoints)
 
 
-def _received(world: Any) -> int:
+def _received(world):
     ends = [end for node in world.graph().nodes for end in node.endpoints]
     return max((end.messages for end in ends if end.topic == "/chatter"), default=0)
 
@@ -341,7 +338,7 @@ time.sleep(1000)
 """
 
 
-def test_what_a_quiet_program_may_publish_is_a_note(world: Any) -> None:
+def test_what_a_quiet_program_may_publish_is_a_note(world):
     world.node("listener")
     assert world.finds(UNFED).severity == "warning"
     program = world.script(SELDOM, ready="runs")
@@ -349,7 +346,7 @@ def test_what_a_quiet_program_may_publish_is_a_note(world: Any) -> None:
     assert found.severity == "note"
 
 
-def test_a_stopped_java_program_is_called_by_its_class(world: Any) -> None:
+def test_a_stopped_java_program_is_called_by_its_class(world):
     listener = world.java("Listens", "/cmd_vel")
     world.c("sends", "/cmd_vel", "2e7c07d7cdf7e027", "56", "100")
     listener.send_signal(signal.SIGSTOP)
@@ -371,13 +368,13 @@ lcmtools.spin(node)
 """
 
 
-def _of_services(world: Any, *arguments: str) -> Any:
+def _of_services(world, *arguments):
     program = world.script(_OF_SERVICES, *arguments)
     world.until(lambda: program.pid in world.pids())
     return program
 
 
-def test_a_service_that_two_nodes_offer(world: Any) -> None:
+def test_a_service_that_two_nodes_offer(world):
     _of_services(world, "arm", "offers")
     _of_services(world, "pilot", "calls")
     second = _of_services(world, "leg", "offers")
@@ -385,7 +382,7 @@ def test_a_service_that_two_nodes_offer(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_service_that_no_node_offers(world: Any) -> None:
+def test_a_service_that_no_node_offers(world):
     _of_services(world, "pilot", "calls")
     found = world.finds("services", "/pilot calls /go")
     assert [action["kind"] for action in found.actions] == ["start-server"]

@@ -2,7 +2,6 @@
 
 import signal
 import time
-from typing import Any
 
 _SUBSCRIBES = """
 import lcmtools
@@ -16,18 +15,18 @@ _THERE = {"LCMTOOLS_DOMAIN": "1"}
 _WAIT = "1.5s"  # a relay reports each second
 
 
-def _found(world: Any, rule: str) -> list[Any]:
-    found: list[Any] = world.look("--rule", rule, wait=_WAIT)
+def _found(world, rule):
+    found = world.look("--rule", rule, wait=_WAIT)
     return found
 
 
-def _relay(world: Any, *words: str) -> Any:
+def _relay(world, *words):
     relay = world.tool("relay", *words)
     relay.wait_for("carries messages")
     return relay
 
 
-def test_a_relay_whose_server_has_ended(world: Any) -> None:
+def test_a_relay_whose_server_has_ended(world):
     server = world.start(world.command, "relay", "--serve", "tcpq://127.0.0.1:7700")
     server.wait_for("serves")
     relay = _relay(world, "tcpq://127.0.0.1:7700")
@@ -41,7 +40,7 @@ def test_a_relay_whose_server_has_ended(world: Any) -> None:
     assert _found(world, "relay-bus") == []
 
 
-def test_a_command_that_a_relay_does_not_let_pass(world: Any) -> None:
+def test_a_command_that_a_relay_does_not_let_pass(world):
     node = world.script(_SUBSCRIBES, **_THERE)
     world.until(lambda: node.pid in world.pids(**_THERE))
     relay = _relay(world, "0", "1")
@@ -54,7 +53,7 @@ def test_a_command_that_a_relay_does_not_let_pass(world: Any) -> None:
     assert _found(world, "relay-commands") == []
 
 
-def test_a_relay_beside_another_one(world: Any) -> None:
+def test_a_relay_beside_another_one(world):
     _relay(world, "0", "1")
     second = world.tool("relay", "0", "1")
     second.wait_for("stands by")
@@ -75,7 +74,7 @@ while True:
 """
 
 
-def test_a_relay_that_is_heard_on_both_buses_and_killed(world: Any) -> None:
+def test_a_relay_that_is_heard_on_both_buses_and_killed(world):
     """By a plain program that forwards all, reports too; the other relay goes on."""
     urls = [f"udpm://239.255.76.67:{port}?ttl=0" for port in (7667, 7672)]
     relay = _relay(world, "0", "5")
@@ -92,5 +91,5 @@ def test_a_relay_that_is_heard_on_both_buses_and_killed(world: Any) -> None:
     assert "Traceback" not in relay.output
 
 
-def _relays(world: Any) -> set[int]:
+def _relays(world):
     return {node.pid for node in world.graph().nodes if node.name.startswith("/relay")}

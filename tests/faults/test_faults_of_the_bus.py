@@ -4,8 +4,6 @@ import os
 import pwd
 import shutil
 import time
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -86,7 +84,7 @@ time.sleep(1000)
 """
 
 
-def test_a_bus_without_a_route(world: Any, ip: Callable[..., None]) -> None:
+def test_a_bus_without_a_route(world, ip):
     world.node("talker")
     world.node("listener")
     ip("route", "del", "224.0.0.0/4")
@@ -97,7 +95,7 @@ def test_a_bus_without_a_route(world: Any, ip: Callable[..., None]) -> None:
 
 
 @pytest.mark.parametrize("kind", ["domain", "c"])
-def test_a_program_on_another_bus(world: Any, kind: str) -> None:
+def test_a_program_on_another_bus(world, kind):
     world.node("listener", "__name:=ear")
     away = {
         "domain": {"LCMTOOLS_DOMAIN": "3"},
@@ -116,7 +114,7 @@ def test_a_program_on_another_bus(world: Any, kind: str) -> None:
     world.is_silent(**{name: value.strip("'")})
 
 
-def test_a_program_on_another_bus_that_publishes_seldom(world: Any) -> None:
+def test_a_program_on_another_bus_that_publishes_seldom(world):
     world.node("listener")
     string = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
     away = world.sends(string, 1.0, LCM_DEFAULT_URL="udpm://239.255.76.67:7700?ttl=0")
@@ -126,7 +124,7 @@ def test_a_program_on_another_bus_that_publishes_seldom(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_listener_on_another_bus(world: Any) -> None:
+def test_a_listener_on_another_bus(world):
     world.node("talker")
     away = world.node("listener", LCMTOOLS_DOMAIN="3")
     found = world.finds("other-buses", "wait there for /chatter", f"pid {away.pid} on")
@@ -135,7 +133,7 @@ def test_a_listener_on_another_bus(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_python_node_on_another_domain_by_mistake(world: Any) -> None:
+def test_a_python_node_on_another_domain_by_mistake(world):
     """Nodes do not load liblcm, and nothing in such a command line names it."""
     world.node("talker")
     away = world.script(_EARS, ready="listens", LCMTOOLS_DOMAIN="3")
@@ -146,7 +144,7 @@ def test_a_python_node_on_another_domain_by_mistake(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_program_whose_url_lacks_the_port_is_on_no_bus_although_it_listens(world: Any) -> None:
+def test_a_program_whose_url_lacks_the_port_is_on_no_bus_although_it_listens(world):
     world.node("talker")
     world.node("listener")
     url = "udpm://239.255.76.67"
@@ -154,14 +152,14 @@ def test_a_program_whose_url_lacks_the_port_is_on_no_bus_although_it_listens(wor
     world.finds("other-buses", f"pid {program.pid} on no bus (LCM_DEFAULT_URL={url})", "the port")
 
 
-def test_two_systems_of_one_kind_on_two_buses(world: Any) -> None:
+def test_two_systems_of_one_kind_on_two_buses(world):
     for variables in ({}, {"LCMTOOLS_DOMAIN": "3"}):
         world.node("talker", **variables)
         world.node("listener", **variables)
     assert [found.severity for found in world.look()] == ["note"]
 
 
-def test_a_program_of_the_other_provider(world: Any) -> None:
+def test_a_program_of_the_other_provider(world):
     world.hears("A")
     world.sends("bus.publish('A', Twist().encode())")
     url = "mpudpm://239.255.76.67:7667?ttl=0"
@@ -171,7 +169,7 @@ def test_a_program_of_the_other_provider(world: Any) -> None:
     world.is_silent()
 
 
-def test_messages_that_leave_the_network(world: Any) -> None:
+def test_messages_that_leave_the_network(world):
     sender = world.sends("bus.publish('A', Twist().encode())", LCM_DEFAULT_URL=f"{BUS}5")
     found = world.finds("ttl", sender.pid, "ttl=5")
     assert "ttl=1" in found.remedies[0]
@@ -179,14 +177,14 @@ def test_messages_that_leave_the_network(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_camera_that_stays_on_this_computer_on_purpose(world: Any) -> None:
+def test_a_camera_that_stays_on_this_computer_on_purpose(world):
     world.hears("IMAGE", LCM_DEFAULT_URL=f"{BUS}1")
     here = {"LCM_DEFAULT_URL": f"{BUS}0"}
     world.sends("bus.publish('IMAGE', String().encode() + bytes(50_000))", 0.1, **here)
     assert world.look("--rule", "ttl", LCM_DEFAULT_URL=f"{BUS}1") == []
 
 
-def test_another_user_on_the_same_bus(world: Any) -> None:
+def test_another_user_on_the_same_bus(world):
     setpriv = shutil.which("setpriv")
     if os.getuid() != 0 or not setpriv:
         pytest.skip("other users need root and setpriv")
@@ -205,7 +203,7 @@ def test_another_user_on_the_same_bus(world: Any) -> None:
     world.is_silent(**variable)
 
 
-def test_datagrams_that_are_none_of_lcms(world: Any) -> None:
+def test_datagrams_that_are_none_of_lcms(world):
     world.node("talker")
     world.node("listener")
     sender = world.script(GARBAGE, ready="sends")
@@ -215,7 +213,7 @@ def test_datagrams_that_are_none_of_lcms(world: Any) -> None:
 
 
 @pytest.fixture
-def second_interface(ip: Callable[..., None], world: Any) -> str:
+def second_interface(ip, world):
     """An interface besides lo to which the route of the bus leads."""
     ip("link", "add", "lan0", "type", "veth", "peer", "name", "peer0")
     ip("link", "set", "peer0", "up")
@@ -225,9 +223,7 @@ def second_interface(ip: Callable[..., None], world: Any) -> str:
     return "lan0"
 
 
-def test_listeners_that_joined_elsewhere(
-    world: Any, second_interface: str, ip: Callable[..., None]
-) -> None:
+def test_listeners_that_joined_elsewhere(world, second_interface, ip):
     ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
     sink = world.lcm("lcm-sink")
     ip("route", "replace", "224.0.0.0/4", "dev", "lo")
@@ -239,9 +235,7 @@ def test_listeners_that_joined_elsewhere(
     world.is_silent()
 
 
-def test_an_interface_without_a_link(
-    world: Any, second_interface: str, ip: Callable[..., None]
-) -> None:
+def test_an_interface_without_a_link(world, second_interface, ip):
     ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
     variable = {"LCM_DEFAULT_URL": f"{BUS}1"}
     world.node("talker", **variable)
@@ -251,9 +245,7 @@ def test_an_interface_without_a_link(
     world.finds("link", second_interface, "plug its cable in", **variable)
 
 
-def test_datagrams_that_the_strict_filter_drops(
-    world: Any, second_interface: str, ip: Callable[..., None]
-) -> None:
+def test_datagrams_that_the_strict_filter_drops(world, second_interface, ip):
     if os.getuid() != 0:
         pytest.skip("raw sockets need root")
     ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
@@ -270,7 +262,7 @@ def test_datagrams_that_the_strict_filter_drops(
 @pytest.mark.parametrize(
     "url", ["tcpq://127.0.0.1:7700", "udpm://239.255.76.67:7670", "memq://", "udpm://239.255.76.67"]
 )
-def test_a_program_on_another_bus_beside_a_busy_one(world: Any, url: str) -> None:
+def test_a_program_on_another_bus_beside_a_busy_one(world, url):
     world.node("talker")
     world.node("listener")
     program = world.script(MAKES_A_BUS, url, ready="runs", LCM_DEFAULT_URL=url)
@@ -280,9 +272,7 @@ def test_a_program_on_another_bus_beside_a_busy_one(world: Any, url: str) -> Non
     world.is_silent()
 
 
-def test_a_strict_filter_of_routes(
-    world: Any, second_interface: str, ip: Callable[..., None]
-) -> None:
+def test_a_strict_filter_of_routes(world, second_interface, ip):
     ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
     ip("link", "add", "lan1", "type", "veth", "peer", "name", "peer1")
     ip("link", "set", "peer1", "up")
@@ -297,9 +287,7 @@ def test_a_strict_filter_of_routes(
     world.is_silent(**variable)
 
 
-def test_a_route_that_does_not_leave_the_computer(
-    world: Any, second_interface: str, ip: Callable[..., None]
-) -> None:
+def test_a_route_that_does_not_leave_the_computer(world, second_interface, ip):
     variable = {"LCM_DEFAULT_URL": f"{BUS}1"}
     world.node("talker", **variable)
     world.node("listener", **variable)
@@ -310,7 +298,7 @@ def test_a_route_that_does_not_leave_the_computer(
     world.is_silent(**variable)
 
 
-def test_datagrams_whose_pieces_do_not_all_come(world: Any) -> None:
+def test_datagrams_whose_pieces_do_not_all_come(world):
     if os.getuid() != 0:
         pytest.skip("raw sockets need root")
     world.node("talker")
@@ -323,7 +311,7 @@ def test_datagrams_whose_pieces_do_not_all_come(world: Any) -> None:
     world.is_silent()
 
 
-def test_an_interface_that_is_down(world: Any, ip: Any) -> None:
+def test_an_interface_that_is_down(world, ip):
     world.node("talker")
     world.node("listener")
     ip("link", "set", "lo", "down")
@@ -334,7 +322,7 @@ def test_an_interface_that_is_down(world: Any, ip: Any) -> None:
 
 
 @pytest.mark.parametrize("url", ["udpm://239.255.76.67", "udp://239.255.76.67:7667"])
-def test_a_wrong_url_of_a_program_whose_topic_is_waited_for(world: Any, url: str) -> None:
+def test_a_wrong_url_of_a_program_whose_topic_is_waited_for(world, url):
     world.node("listener")
     program = world.script(TRIES_A_BUS, ready="runs", LCM_DEFAULT_URL=url)
     found, _ = world.look("--rule", "other-buses", "--rule", "unconnected-subscriptions")

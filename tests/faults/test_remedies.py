@@ -65,7 +65,7 @@ class Edit:
     period: float = 0.02  # [s]
     wait: str = "1s"
 
-    def start(self, world: Any, line: str) -> Any:
+    def start(self, world, line):
         """Start the program with this line in it."""
         if not self.is_node:
             return world.sends(line, self.period)
@@ -74,23 +74,23 @@ class Edit:
         return program
 
 
-def _hears(*channels: str) -> Callable[[Any], object]:
+def _hears(*channels):
     return lambda world: world.hears(*channels)
 
 
-def _sends(statements: str, period: float = 0.02) -> Callable[[Any], object]:
+def _sends(statements, period=0.02):
     return lambda world: world.sends(statements, period)
 
 
-def _runs(*words: str) -> Callable[[Any], object]:
+def _runs(*words):
     return lambda world: world.node(*words)
 
 
-def _ear(callback: str, depth: int = 10) -> str:
+def _ear(callback, depth=10):
     return f"node.create_subscription(String, '/chatter', lambda _: {callback}, {depth})"
 
 
-def _stamped(line: str) -> str:
+def _stamped(line):
     return f"m = Imu(); m.orientation.w = 1.0; {line}; bus.publish('IMU', m.encode())"
 
 
@@ -178,7 +178,7 @@ EDITED = (
 
 
 @pytest.mark.parametrize("edit", EDITED, ids=lambda edit: edit.kind)
-def test_a_remedy_is_written_into_the_program(world: Any, edit: Edit) -> None:
+def test_a_remedy_is_written_into_the_program(world, edit):
     for start in edit.beside:
         start(world)
     program = edit.start(world, edit.wrong)
@@ -189,12 +189,12 @@ def test_a_remedy_is_written_into_the_program(world: Any, edit: Edit) -> None:
     world.is_silent(wait=edit.wait)
 
 
-def _stopped(world: Any) -> None:
+def _stopped(world):
     world.node("listener")
     world.node("talker").send_signal(signal.SIGSTOP)
 
 
-def _killed(world: Any) -> None:
+def _killed(world):
     world.node("talker")
     world.node("listener")
     killed = world.node("listener", "__name:=second")
@@ -202,30 +202,30 @@ def _killed(world: Any) -> None:
     killed.wait()
 
 
-def _frozen_sender(world: Any) -> None:
+def _frozen_sender(world):
     world.hears("A")
     world.node("talker")
     world.node("listener")
     world.sends("bus.publish('A', Twist().encode())").send_signal(signal.SIGSTOP)
 
 
-def _last_tick(world: Any) -> int:
+def _last_tick(world):
     ends = [end for node in world.graph().nodes for end in node.endpoints]
     return max((end.last_time for end in ends if end.topic == "/clock"), default=0)
 
 
-def _paused(world: Any) -> None:
+def _paused(world):
     world.node("sim", "--world", "empty")
     world.type("lcmtools sim pause")
     world.until(lambda: time.time_ns() - _last_tick(world) > 1.1e9)
 
 
-def _driven_on(world: Any) -> None:
+def _driven_on(world):
     world.node("sim", "--world", "husky")
     world.type("lcmtools pub -1 -w 1 /husky0/cmd_vel geometry_msgs/Twist 'linear: {x: 0.5}'")
 
 
-def _plugged_out(world: Any) -> None:
+def _plugged_out(world):
     for command in (
         "ip link add lan0 type veth peer name peer0",
         "ip link set peer0 up",
@@ -241,15 +241,15 @@ def _plugged_out(world: Any) -> None:
     assert listener.pid
 
 
-def _planted(*starts: Callable[[Any], object]) -> Callable[[Any], None]:
-    def plant(world: Any) -> None:
+def _planted(*starts):
+    def plant(world):
         for start in starts:
             start(world)
 
     return plant
 
 
-def _away(world: Any) -> None:
+def _away(world):
     url = "udpm://239.255.76.67:7670?ttl=0"
     world.hears("A", LCM_DEFAULT_URL=url)
 
@@ -290,9 +290,7 @@ OBEYED = (
 
 
 @pytest.mark.parametrize(("kind", "rule", "plant"), OBEYED, ids=[f"{k} {r}" for k, r, _ in OBEYED])
-def test_a_remedy_is_done_as_it_stands(
-    world: Any, kind: str, rule: str, plant: Callable[[Any], None]
-) -> None:
+def test_a_remedy_is_done_as_it_stands(world, kind, rule, plant):
     plant(world)
     found = next(one for one in world.look(wait="1s") if one.rule == rule)
     world.obey(found, kind)
@@ -302,7 +300,7 @@ def test_a_remedy_is_done_as_it_stands(
         world.is_silent(wait="1s")
 
 
-def test_a_link_is_connected_or_the_route_led_elsewhere(world: Any) -> None:
+def test_a_link_is_connected_or_the_route_led_elsewhere(world):
     for number in (0, 1):
         world.type(f"ip link add lan{number} type veth peer name peer{number}")
         world.type(f"ip addr add 10.{77 + number}.0.1/24 dev lan{number}")
@@ -319,7 +317,7 @@ def test_a_link_is_connected_or_the_route_led_elsewhere(world: Any) -> None:
     assert world.look("--rule", "link", **variable) == []
 
 
-def test_the_folder_of_types_is_named(world: Any, tmp_path: Path) -> None:
+def test_the_folder_of_types_is_named(world, tmp_path):
     definition = "package own; struct State { int16_t wheels[4]; }"
     world.hears("STATE")
     world.c("sends", "STATE", world.fingerprint(definition), "16", "20")
@@ -334,7 +332,7 @@ def test_the_folder_of_types_is_named(world: Any, tmp_path: Path) -> None:
     world.is_silent(**types)
 
 
-def test_a_utime_is_sent_in_microseconds(world: Any, tmp_path: Path) -> None:
+def test_a_utime_is_sent_in_microseconds(world, tmp_path):
     definition = "package own; struct Pose { int64_t utime; double x; }"
     (tmp_path / "Pose.lcm").write_text(definition)
     head = f"bytes.fromhex('{int(world.fingerprint(definition), 16):016x}')"
@@ -348,7 +346,7 @@ def test_a_utime_is_sent_in_microseconds(world: Any, tmp_path: Path) -> None:
     world.is_silent(LCMTOOLS_TYPE_PATH=str(tmp_path))
 
 
-def test_a_variable_is_corrected(world: Any) -> None:
+def test_a_variable_is_corrected(world):
     world.node("talker")
     world.node("listener")
     found = world.finds("environment", LCMTOOLS_TYPE_PATH="/nonexistent")
@@ -356,7 +354,7 @@ def test_a_variable_is_corrected(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_bus_in_the_code_is_left_out(world: Any) -> None:
+def test_a_bus_in_the_code_is_left_out(world):
     code = "import lcm, time\nbus = lcm.LCM({})\nprint('runs', flush=True)\n"
     code += "while True:\n    bus.publish('A', b'')\n    time.sleep(0.05)\n"
     world.node("talker")
@@ -369,7 +367,7 @@ def test_a_bus_in_the_code_is_left_out(world: Any) -> None:
     world.is_silent()
 
 
-def test_of_two_types_one_moves_to_another_topic(world: Any) -> None:
+def test_of_two_types_one_moves_to_another_topic(world):
     line = "p = node.create_publisher(Twist, '/chatter')\n"
     line += "node.create_timer(0.1, lambda: p.publish(Twist()))"
     world.node("listener")
@@ -381,7 +379,7 @@ def test_of_two_types_one_moves_to_another_topic(world: Any) -> None:
     assert world.look("--rule", "type-mismatch") == []
 
 
-def test_a_slash_is_removed(world: Any) -> None:
+def test_a_slash_is_removed(world):
     world.node("talker", "__ns:=/a")
     program = world.script(_NODE.replace("LINE", _ear("None")), "__ns:=/a")
     world.until(lambda: program.pid in world.pids())
@@ -394,7 +392,7 @@ def test_a_slash_is_removed(world: Any) -> None:
     world.is_silent()
 
 
-def test_a_slash_that_keeps_a_remap_from_being_applied_is_removed(world: Any) -> None:
+def test_a_slash_that_keeps_a_remap_from_being_applied_is_removed(world):
     world.node("talker", "__ns:=/a")
     arguments = ("__ns:=/a", "heard:=chatter")
     line = _ear("None").replace("'/chatter'", "'/heard'")
@@ -408,7 +406,7 @@ def test_a_slash_that_keeps_a_remap_from_being_applied_is_removed(world: Any) ->
     world.is_silent()
 
 
-def test_a_node_receives_from_a_plain_channel(world: Any) -> None:
+def test_a_node_receives_from_a_plain_channel(world):
     _sends("bus.publish('POSE', String().encode())")(world)
     line = _ear("None").replace("'/chatter'", "'POSE'")
     program = world.script(_NODE.replace("LINE", line))
@@ -489,7 +487,7 @@ NEED_MORE = {  # than a network on a Linux computer
 }
 
 
-def test_no_remedy_is_left_out() -> None:
+def test_no_remedy_is_left_out():
     done = {edit.kind for edit in EDITED} | {kind for kind, _, _ in OBEYED} | ELSEWHERE.keys()
     assert done | SHOW_ONLY | NEED_MORE.keys() == {kind for rule in RULES for kind in rule.remedies}
     assert done.isdisjoint(SHOW_ONLY | NEED_MORE.keys())

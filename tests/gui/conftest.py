@@ -2,13 +2,9 @@
 
 import json
 import shutil
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 from urllib.parse import quote, urlsplit
 
 import pytest
-from fixtures.programs import Program
 
 _ARGUMENTS = (
     "--no-sandbox",
@@ -22,13 +18,13 @@ _ARGUMENTS = (
 
 
 @pytest.fixture(scope="module")
-def browser_data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def browser_data(tmp_path_factory):
     """The folder of the browser's data, which is in the command line of all its processes."""
     return tmp_path_factory.mktemp("browser")
 
 
 @pytest.fixture(scope="module")
-def launch_browser() -> Iterator[Callable[[Path], Any]]:
+def launch_browser():
     """``launch_browser(folder)``: a Chromium with its data in a folder, as playwright has it."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
@@ -36,7 +32,7 @@ def launch_browser() -> Iterator[Callable[[Path], Any]]:
     playwright = pytest.importorskip("playwright.sync_api")
     with playwright.sync_playwright() as started:
 
-        def launch(folder: Path, **options: object) -> Any:
+        def launch(folder, **options):
             return started.chromium.launch_persistent_context(
                 folder, executable_path=chromium, args=[*_ARGUMENTS], **options
             )
@@ -45,7 +41,7 @@ def launch_browser() -> Iterator[Callable[[Path], Any]]:
 
 
 @pytest.fixture(scope="module")
-def browser(launch_browser: Callable[[Path], Any], browser_data: Path) -> Iterator[Any]:
+def browser(launch_browser, browser_data):
     """A browser that the tests of a module share."""
     context = launch_browser(browser_data)
     context.set_default_timeout(40_000)
@@ -54,12 +50,10 @@ def browser(launch_browser: Callable[[Path], Any], browser_data: Path) -> Iterat
 
 
 @pytest.fixture
-def serve(
-    module_start: Callable[..., Program], lcmtools_path: str
-) -> Callable[..., tuple[Program, str]]:
+def serve(module_start, lcmtools_path):
     """``serve("steer", "/v")``: the window's process on the module's bus, and its address."""
 
-    def run(*words: str) -> tuple[Program, str]:
+    def run(*words):
         panel = words or ("all",)
         server = module_start(lcmtools_path, "gui", *panel, "--port", "0", "--no-open")
         return server, server.wait_for("http://").split()[-1]
@@ -68,16 +62,16 @@ def serve(
 
 
 @pytest.fixture
-def page(browser: Any) -> Iterator[Any]:
+def page(browser):
     """A page; what goes wrong in it, and a request to another computer, fails the test."""
     opened = browser.new_page()
-    errors: list[str] = []
+    errors = []
 
-    def take_line(line: Any) -> None:
+    def take_line(line):
         if line.type == "error" and "WebSocket connection" not in line.text:  # the server has ended
             errors.append(line.text)
 
-    def take_request(request: Any) -> None:
+    def take_request(request):
         if not request.url.startswith(("http://127.0.0.1:", "ws://127.0.0.1:", "blob:", "data:")):
             errors.append(f"a request to {request.url}")
 
@@ -89,12 +83,12 @@ def page(browser: Any) -> Iterator[Any]:
     assert errors == []
 
 
-def panel_address(address: str, panel: str, **settings: object) -> str:
+def panel_address(address, panel, **settings):
     """Return the address of one panel."""
     return f"{address}#{quote(json.dumps({'panel': panel, 'settings': settings}))}"
 
 
-def forget_layouts(page: Any, address: str) -> None:
+def forget_layouts(page, address):
     """Remove what the browser has stored for a server's pages."""
     client = page.context.new_cdp_session(page)
     origin = "{0.scheme}://{0.netloc}".format(urlsplit(address))

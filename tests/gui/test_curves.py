@@ -1,18 +1,14 @@
 """The samples of curves in the page: gaps, times that go back, and bounded memory."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
-from fixtures.programs import Program
 
 
 @pytest.fixture
-def curves(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[[str], Any]:
+def curves(serve, page):
     """``curves("...")``: what JavaScript returns that has ``Curves`` and ``add(times, values)``."""
     page.goto(serve("plot")[1])
 
-    def run(body: str) -> Any:
+    def run(body):
         return page.evaluate(
             """async () => {
               const { Curves } = await import("/panels/plot/curves.js");
@@ -30,7 +26,7 @@ def curves(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[[st
     return run
 
 
-def test_a_line_ends_where_a_topic_is_silent(curves: Callable[[str], Any]) -> None:
+def test_a_line_ends_where_a_topic_is_silent(curves):
     gaps = curves(
         "add(steady(100, 20), () => 1); add(steady(102, 30), () => 2, 1);"
         "add(steady(105, 10), () => 1); return curves.last.map((one) => one.gaps.slice(1));"
@@ -38,7 +34,7 @@ def test_a_line_ends_where_a_topic_is_silent(curves: Callable[[str], Any]) -> No
     assert gaps == [[[pytest.approx(1.9), pytest.approx(5.0)]], []]
 
 
-def test_a_line_ends_where_a_value_is_no_number(curves: Callable[[str], Any]) -> None:
+def test_a_line_ends_where_a_value_is_no_number(curves):
     column, gaps = curves(
         "add(steady(0, 5, 1), (time) => (time === 2 ? NaN : time));"
         "return [curves.columns[0], curves.last[0].gaps.slice(1)];"
@@ -47,7 +43,7 @@ def test_a_line_ends_where_a_value_is_no_number(curves: Callable[[str], Any]) ->
     assert gaps == [[1, 3]]
 
 
-def test_times_that_go_back_begin_anew(curves: Callable[[str], Any]) -> None:
+def test_times_that_go_back_begin_anew(curves):
     times, start = curves(
         "add(steady(500, 5, 1), () => 1); add([100, 101], () => 2);"
         "return [curves.times, curves.start];"
@@ -55,7 +51,7 @@ def test_times_that_go_back_begin_anew(curves: Callable[[str], Any]) -> None:
     assert (times, start) == ([0, 1], 100)
 
 
-def test_only_the_last_seconds_are_kept(curves: Callable[[str], Any]) -> None:
+def test_only_the_last_seconds_are_kept(curves):
     first, count, columns = curves(
         "for (let at = 0; at < 100; at++) add(steady(at * 100, 1000), () => 1, at % 2, 60);"
         "return [curves.times[0], curves.times.length, curves.columns.map((one) => one.length)];"
@@ -65,9 +61,7 @@ def test_only_the_last_seconds_are_kept(curves: Callable[[str], Any]) -> None:
     assert columns == [count, count]
 
 
-def test_csv_has_a_row_for_each_time_and_nothing_where_a_curve_has_no_sample(
-    curves: Callable[[str], Any],
-) -> None:
+def test_csv_has_a_row_for_each_time_and_nothing_where_a_curve_has_no_sample(curves):
     csv = curves(
         "add([1, 3], (time) => (time === 3 ? NaN : time)); add([3, 4], (time) => time, 1);"
         "return curves.csv(0, 10, [{curve: 0, label: '/a/x'}, {curve: 1, label: '/b,c'}]);"

@@ -3,16 +3,12 @@
 import io
 import json
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 import pytest
-from fixtures.programs import Program
 from PIL import Image
 
-from lcmtools.bus.base import Bus
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
@@ -24,7 +20,7 @@ _FEW = 10  # pixels
 
 
 @pytest.fixture
-def bus(bus_url: str) -> Iterator[Bus]:
+def bus(bus_url):
     """A program that publishes."""
     opened = open_bus(parse_url(bus_url))
     yield opened
@@ -32,7 +28,7 @@ def bus(bus_url: str) -> Iterator[Bus]:
 
 
 @pytest.fixture
-def address(start: Callable[..., Program], lcmtools_path: str, bus_url: str) -> str:
+def address(start, lcmtools_path, bus_url):
     """The address of a window with the tree of frames beside the world."""
     about = ("--port", "0", "--no-open", "--lcm-url", bus_url)
     start_of = start(lcmtools_path, "gui", *about).wait_for("http://").split()[-1]
@@ -41,7 +37,7 @@ def address(start: Callable[..., Program], lcmtools_path: str, bus_url: str) -> 
     return f"{start_of}#{quote(json.dumps(layout))}"
 
 
-def send(bus: Bus, topic: str, *pairs: str) -> None:
+def send(bus, topic, *pairs):
     """Publish transforms, each given as "parent child"."""
     message = TFMessage()
     for height, pair in enumerate(pairs):
@@ -52,7 +48,7 @@ def send(bus: Bus, topic: str, *pairs: str) -> None:
     bus.publish(topic, encode(message))
 
 
-def rows(page: Any) -> list[list[str]]:
+def rows(page):
     """The rows of the tree: frame, level, topic and fault."""
     return [
         [cells[0], row.get_attribute("aria-level"), cells[3], cells[4]]
@@ -61,9 +57,7 @@ def rows(page: Any) -> list[list[str]]:
     ]
 
 
-def test_the_tree_has_each_frame_below_its_parent_and_names_what_is_wrong(
-    address: str, bus: Bus, page: Any
-) -> None:
+def test_the_tree_has_each_frame_below_its_parent_and_names_what_is_wrong(address, bus, page):
     page.goto(address)
     page.get_by_text("no topic has transforms").wait_for()
     send(bus, "/tf", "world odom", "odom base")
@@ -82,7 +76,7 @@ def test_the_tree_has_each_frame_below_its_parent_and_names_what_is_wrong(
     page.get_by_text("a loop: egg in hen in egg").wait_for()
 
 
-def test_the_world_shows_the_axes_of_frames(address: str, bus: Bus, page: Any) -> None:
+def test_the_world_shows_the_axes_of_frames(address, bus, page):
     page.goto(address)
     page.locator(".world-stage canvas").wait_for()
     page.locator(".frame-tree").wait_for()
@@ -97,7 +91,7 @@ def test_the_world_shows_the_axes_of_frames(address: str, bus: Bus, page: Any) -
     _until(lambda: max(_saturated(page)) == 0)
 
 
-def _saturated(page: Any) -> list[int]:
+def _saturated(page):
     """Return the number of red, green and blue pixels of the world."""
     picture = Image.open(io.BytesIO(page.locator(".world-stage canvas").screenshot()))
     pixels = np.asarray(picture.convert("RGB"), int)
@@ -105,7 +99,7 @@ def _saturated(page: Any) -> list[int]:
     return [int((pixels[:, :, color] > others[color] + _SATURATED).sum()) for color in range(3)]
 
 
-def _until(condition: Callable[[], bool]) -> None:
+def _until(condition):
     deadline = time.monotonic() + 40.0
     while not condition():
         assert time.monotonic() < deadline

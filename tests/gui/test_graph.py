@@ -1,24 +1,19 @@
 """The graph in a browser: the lab's nodes, a planted fault at its node, and walking by keys."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
-from fixtures.programs import Program
 
 CONTROLLER = 'g[data-key="node:/simple_controller"]'
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _lab(module_start: Callable[..., Program], lcmtools_path: str) -> None:
+def _lab(module_start, lcmtools_path):
     """The Husky, and a controller that lacks its namespace."""
     module_start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
     module_start(lcmtools_path, "run", "simple_controller")
 
 
 @pytest.fixture
-def graph(page: Any, serve: Callable[..., tuple[Program, str]]) -> Any:
+def graph(page, serve):
     """The panel with the graph in it."""
     _, address = serve("graph")
     page.goto(address)
@@ -26,7 +21,7 @@ def graph(page: Any, serve: Callable[..., tuple[Program, str]]) -> Any:
     return page
 
 
-def test_a_fault_is_marked_at_its_node_and_shows_its_remedy(graph: Any) -> None:
+def test_a_fault_is_marked_at_its_node_and_shows_its_remedy(graph):
     graph.wait_for_selector('g[data-key="node:/morse"]')
     graph.wait_for_selector("text=/^[1-9][0-9.]* Hz$/ >> nth=0")
     graph.wait_for_selector(f"{CONTROLLER} .sign.is-warning")
@@ -38,7 +33,7 @@ def test_a_fault_is_marked_at_its_node_and_shows_its_remedy(graph: Any) -> None:
     graph.wait_for_selector(".graph-about", state="hidden")
 
 
-def test_keys_walk_along_the_edges(graph: Any) -> None:
+def test_keys_walk_along_the_edges(graph):
     graph.focus('g[data-key="topic:/desired_velocity"]')
     graph.keyboard.press("ArrowRight")
     focused = "document.activeElement.dataset.key"
@@ -49,7 +44,7 @@ def test_keys_walk_along_the_edges(graph: Any) -> None:
     assert graph.evaluate(focused) == "topic:/controlled_velocity"
 
 
-def test_the_graph_is_text_for_screen_readers(graph: Any) -> None:
+def test_the_graph_is_text_for_screen_readers(graph):
     text = graph.locator(".graph-outline").text_content()
     assert "/simple_controller" in text
     assert "subscribes to /desired_velocity" in text
@@ -58,14 +53,14 @@ def test_the_graph_is_text_for_screen_readers(graph: Any) -> None:
     assert graph.is_hidden(".graph-drawing")
 
 
-def test_choices_change_what_is_drawn(graph: Any) -> None:
+def test_choices_change_what_is_drawn(graph):
     graph.click("button:text-is('Groups')")
     graph.wait_for_selector('.band-name:text-is("/husky0")')
     graph.click("button:text-is('Topics')")
     graph.wait_for_selector('g[data-key="topic:/desired_velocity"]', state="detached")
 
 
-def test_the_drawing_is_saved_with_its_colours(graph: Any, tmp_path: Path) -> None:
+def test_the_drawing_is_saved_with_its_colours(graph, tmp_path):
     with graph.expect_download() as download:
         graph.click("[aria-label='Save the drawing as SVG']")
     path = tmp_path / "graph.svg"

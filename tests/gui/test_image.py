@@ -6,17 +6,12 @@ import struct
 import time
 import zlib
 from array import array
-from collections.abc import Callable
 from contextlib import closing
-from typing import Any
 from urllib.parse import quote
 
 import pytest
-from fixtures.nodes import LiveNode
-from fixtures.programs import Program
 
 from lcmtools import Node
-from lcmtools.messages.registry import Message
 from lcmtools.observe.reading.received import messages
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from tests.gui.conftest import panel_address
@@ -27,20 +22,20 @@ _DEPTH = "/camera/depth/image_raw"
 
 
 @pytest.fixture
-def node(module_start_node: Callable[..., LiveNode]) -> Node:
+def node(module_start_node):
     """A node that publishes."""
-    found: Node = module_start_node(lambda: Node("camera")).node
+    found = module_start_node(lambda: Node("camera")).node
     return found
 
 
-def _image(encoding: str, width: int, height: int, data: bytes) -> Image:
+def _image(encoding, width, height, data):
     message = Image()
     message.encoding, message.width, message.height = encoding, width, height
     message.data, message.data_length, message.step = data, len(data), len(data) // height
     return message
 
 
-def _png_of_depth(width: int, height: int, values: list[int]) -> CompressedImage:
+def _png_of_depth(width, height, values):
     """A PNG file of 16-bit grey whose rows have the filters that there are, in turn."""
     rows, above = b"", bytes(2 * width)
     for y in range(height):
@@ -67,12 +62,12 @@ def _png_of_depth(width: int, height: int, values: list[int]) -> CompressedImage
     return message
 
 
-def _paeth(left: int, above: int, corner: int) -> int:
+def _paeth(left, above, corner):
     estimate = left + above - corner
     return min((left, above, corner), key=lambda one: abs(estimate - one))
 
 
-def _show(page: Any, node: Node, topic: str, message: Message) -> None:
+def _show(page, node, topic, message):
     """Publish a message, again and again, until the page has an image."""
     publisher = node.create_publisher(type(message), topic)
     while not page.locator(".image-status", has_text=" \N{MULTIPLICATION SIGN} ").count():
@@ -80,7 +75,7 @@ def _show(page: Any, node: Node, topic: str, message: Message) -> None:
         page.wait_for_timeout(50)
 
 
-def _point(page: Any, x: int, y: int, width: int, height: int) -> str:
+def _point(page, x, y, width, height):
     """Point at the middle of a pixel of an image that is fitted; return what the page says.
 
     A notice above the image moves it, when the topic falls silent for example: it is aimed anew.
@@ -99,12 +94,8 @@ def _point(page: Any, x: int, y: int, width: int, height: int) -> str:
 
 
 def test_the_depth_under_the_pointer_is_that_of_the_message(
-    serve: Callable[..., tuple[Program, str]],
-    page: Any,
-    module_start: Callable[..., Program],
-    lcmtools_path: str,
-    module_bus_url: str,
-) -> None:
+    serve, page, module_start, lcmtools_path, module_bus_url
+):
     simulator = module_start(lcmtools_path, "run", "sim", "pioneer")
     simulator.wait_for("simulating")
     page.goto(serve("image", _DEPTH)[1])
@@ -142,13 +133,7 @@ def test_the_depth_under_the_pointer_is_that_of_the_message(
     ],
     ids=lambda one: one.encoding if isinstance(one, Image) else "",
 )  # fmt: skip
-def test_the_pixels_are_those_of_the_message(
-    serve: Callable[..., tuple[Program, str]],
-    page: Any,
-    node: Node,
-    message: Image,
-    expected: list[str],
-) -> None:
+def test_the_pixels_are_those_of_the_message(serve, page, node, message, expected):
     topic = f"/images/{message.encoding.lower()}"
     page.goto(serve("image", topic)[1])
     _show(page, node, topic, message)
@@ -156,9 +141,7 @@ def test_the_pixels_are_those_of_the_message(
     assert [_point(page, *place, 2, 2).partition(")  ")[2] for place in places] == expected
 
 
-def test_compressed_depth_keeps_its_sixteen_bits(
-    serve: Callable[..., tuple[Program, str]], page: Any, node: Node
-) -> None:
+def test_compressed_depth_keeps_its_sixteen_bits(serve, page, node):
     values = [(n * 7919 + 1) % 65536 for n in range(7 * 11)]
     page.goto(serve("image", "/depth_png")[1])
     _show(page, node, "/depth_png", _png_of_depth(7, 11, values))
@@ -167,9 +150,7 @@ def test_compressed_depth_keeps_its_sixteen_bits(
         assert _point(page, x, y, 7, 11) == f"({x}, {y})  {depth:.3f} m"
 
 
-def test_a_broken_image_is_a_notice_until_a_good_one_comes(
-    serve: Callable[..., tuple[Program, str]], page: Any, node: Node
-) -> None:
+def test_a_broken_image_is_a_notice_until_a_good_one_comes(serve, page, node):
     _, address = serve()
     page.goto(panel_address(address, "image", topic="/broken"))
     page.get_by_text("there is no topic /broken").wait_for()
@@ -185,12 +166,10 @@ def test_a_broken_image_is_a_notice_until_a_good_one_comes(
     assert download.value.suggested_filename.startswith("broken_")
 
 
-def test_a_page_that_cannot_draw_gets_no_more_images_and_then_the_newest(
-    serve: Callable[..., tuple[Program, str]], page: Any, node: Node
-) -> None:
-    received: list[bytes] = []
+def test_a_page_that_cannot_draw_gets_no_more_images_and_then_the_newest(serve, page, node):
+    received = []
 
-    def count(socket: Any) -> None:
+    def count(socket):
         socket.on("framereceived", lambda data: isinstance(data, bytes) and received.append(data))
 
     page.on("websocket", count)

@@ -3,13 +3,8 @@
 import json
 import signal
 import socket
-from collections.abc import Callable
 from functools import partial
-from typing import Any
 from urllib.parse import quote
-
-from fixtures.nodes import LiveNode
-from fixtures.programs import Program
 
 from lcmtools import Node
 from lcmtools.messages.message_template import draft
@@ -22,7 +17,7 @@ from lcmtools_sim.latched import LatchedPublisher
 TEXT = "Grüße, 日本語 🤖 שלום"
 CELLS = {"width": 400, "height": 400, "resolution": 0.05}
 PIXELS = {"width": 320, "height": 240, "encoding": "rgb8", "step": 960, "data": bytes(960 * 240)}
-MESSAGES: dict[str, tuple[type[Any], dict[str, Any]]] = {
+MESSAGES = {
     "/text": (String, {"data": TEXT}),
     "/number": (Float64, {"data": 2.5}),
     "/image": (Image, PIXELS),
@@ -41,7 +36,7 @@ PANELS = [
 ]
 
 
-def latching() -> Node:
+def latching():
     """A node that publishes the messages to each new subscriber."""
     node = Node("latching")
     for topic, (kind, values) in MESSAGES.items():
@@ -50,7 +45,7 @@ def latching() -> Node:
     return node
 
 
-def shows_all(page: Any) -> None:
+def shows_all(page):
     """Wait until each panel shows its message."""
     page.get_by_role("tree").get_by_text(f'"{TEXT}"', exact=True).wait_for()
     page.locator(".plot-table td", has_text="2.50000").wait_for()
@@ -60,11 +55,8 @@ def shows_all(page: Any) -> None:
 
 
 def test_each_panel_shows_what_is_latched_to_pages_opened_at_any_time(
-    module_start_node: Callable[..., LiveNode],
-    module_start: Callable[..., Program],
-    lcmtools_path: str,
-    page: Any,
-) -> None:
+    module_start_node, module_start, lcmtools_path, page
+):
     module_start_node(latching)
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = str(free.getsockname()[1])

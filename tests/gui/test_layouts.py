@@ -1,31 +1,28 @@
 """Layouts: with a name, in a shared address, and undone."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 from urllib.parse import quote
 
 import pytest
-from fixtures.programs import Program
 
 from tests.gui.conftest import forget_layouts
 
 OWN = {"split": "row", "parts": [{"panel": "topics"}, {"panel": "log"}], "sizes": [1, 1]}
 
 
-def with_layout(address: str, layout: object) -> str:
+def with_layout(address, layout):
     return f"{address}#{quote(json.dumps(layout, separators=(',', ':')))}"
 
 
 @pytest.fixture(scope="module")
-def address(module_start: Callable[..., Program], lcmtools_path: str) -> str:
+def address(module_start, lcmtools_path):
     """The address of a window that the tests share."""
     server = module_start(lcmtools_path, "gui", "--port", "0", "--no-open")
     return server.wait_for("http://").split()[-1]
 
 
 @pytest.fixture
-def own(page: Any, address: str) -> Any:
+def own(page, address):
     """A page with the person's own layout, topics beside the log, and no others stored."""
     forget_layouts(page, address)
     page.goto(with_layout(address, OWN))
@@ -34,7 +31,7 @@ def own(page: Any, address: str) -> Any:
     return page
 
 
-def shows(page: Any, *titles: str) -> None:
+def shows(page, *titles):
     """Wait until these panels are shown, in this order."""
     page.wait_for_function(
         """titles => {
@@ -45,7 +42,7 @@ def shows(page: Any, *titles: str) -> None:
     )
 
 
-def kept(page: Any) -> None:
+def kept(page):
     """Wait until the page has kept its layout, so that what follows is another change."""
     page.wait_for_function(
         """() => {
@@ -57,22 +54,22 @@ def kept(page: Any) -> None:
     )
 
 
-def press(page: Any, item: str) -> None:
+def press(page, item):
     page.get_by_role("button", name="Layouts").click()
     page.get_by_role("menuitem", name=item, exact=True).click()
 
 
-def save_as(page: Any, name: str) -> None:
+def save_as(page, name):
     press(page, "Save as …")
     page.get_by_label("Name of the layout").fill(name)
     page.keyboard.press("Enter")
 
 
-def close(page: Any, panel: str) -> None:
+def close(page, panel):
     page.locator(f"[data-panel={panel}]").get_by_role("button", name="Close", exact=True).click()
 
 
-def test_a_layout_is_saved_with_a_name_shown_again_and_deleted(own: Any) -> None:
+def test_a_layout_is_saved_with_a_name_shown_again_and_deleted(own):
     own.get_by_label("Filter topics").fill("chat")
     save_as(own, "driving <b>")
     close(own, "topics")
@@ -90,7 +87,7 @@ def test_a_layout_is_saved_with_a_name_shown_again_and_deleted(own: Any) -> None
     assert items == ["log", "Save as …", "Delete …", "Reset layout"]
 
 
-def test_another_layout_is_replaced_only_after_a_question(own: Any) -> None:
+def test_another_layout_is_replaced_only_after_a_question(own):
     save_as(own, "mine")
     close(own, "log")
     for answer, panels in (("Cancel", ["Topics", "Log"]), ("Replace", ["Topics"])):
@@ -113,8 +110,8 @@ def test_another_layout_is_replaced_only_after_a_question(own: Any) -> None:
     ],
 )
 def test_a_shared_address_replaces_the_own_layout_only_if_the_person_says_so(
-    own: Any, address: str, answer: str, now: list[str], later: list[str]
-) -> None:
+    own, address, answer, now, later
+):
     own.goto("about:blank")
     own.goto(with_layout(address, {"panel": "graph"}))
     own.get_by_text("This layout is from the address. Yours is kept.").wait_for()
@@ -129,14 +126,14 @@ def test_a_shared_address_replaces_the_own_layout_only_if_the_person_says_so(
     assert own.get_by_text("This layout is from the address").is_hidden()
 
 
-def test_the_own_layout_in_the_address_asks_nothing(own: Any) -> None:
+def test_the_own_layout_in_the_address_asks_nothing(own):
     own.wait_for_function("() => location.hash.includes('topics')")
     own.reload()
     shows(own, "Topics", "Log")
     assert own.get_by_text("This layout is from the address").is_hidden()
 
 
-def test_a_reload_before_the_browser_has_the_new_address_shows_the_own_layout(own: Any) -> None:
+def test_a_reload_before_the_browser_has_the_new_address_shows_the_own_layout(own):
     own.evaluate(
         """() => {
           history.replaceState(null, "", location.hash);
@@ -150,13 +147,13 @@ def test_a_reload_before_the_browser_has_the_new_address_shows_the_own_layout(ow
     assert own.get_by_text("This layout is from the address").is_hidden()
 
 
-def test_a_layout_that_is_put_into_the_address_bar_asks_too(own: Any) -> None:
+def test_a_layout_that_is_put_into_the_address_bar_asks_too(own):
     own.evaluate("hash => { location.hash = hash; }", quote('{"panel":"graph"}'))
     own.get_by_text("This layout is from the address. Yours is kept.").wait_for()
     shows(own, "Graph")
 
 
-def test_changes_are_undone_one_after_the_other_and_other_panels_stay(own: Any) -> None:
+def test_changes_are_undone_one_after_the_other_and_other_panels_stay(own):
     own.evaluate("() => { document.body.dataset.hash = location.hash; }")
     own.get_by_label("Filter topics").fill("chat")
     own.locator("[data-panel=log]").evaluate("one => { one.dataset.mark = 'stays'; }")
@@ -185,7 +182,7 @@ def test_changes_are_undone_one_after_the_other_and_other_panels_stay(own: Any) 
     assert own.locator(".spoken").inner_text() == "there is no change to undo"
 
 
-def test_a_reset_layout_is_undone_and_typing_undoes_nothing(own: Any) -> None:
+def test_a_reset_layout_is_undone_and_typing_undoes_nothing(own):
     press(own, "Reset layout")
     shows(own, "Topics", "Log", "World")
     field = own.get_by_label("Filter topics")

@@ -1,12 +1,9 @@
 """A log in a browser: any moment by the time line, and the message of that moment."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 from fixtures.wire import encode_event
 
 from lcmtools.messages.codec import encode
@@ -20,7 +17,7 @@ SLIDER = ".timeline-track"
 
 
 @pytest.fixture
-def log(page: Any, serve: Callable[..., tuple[Program, str]], tmp_path: Path) -> Any:
+def log(page, serve, tmp_path):
     """A page of a log of a hundred seconds, in which /count has the seconds; it stands still."""
     packets = []
     for second in range(101):
@@ -36,13 +33,13 @@ def log(page: Any, serve: Callable[..., tuple[Program, str]], tmp_path: Path) ->
     return page
 
 
-def _shows(page: Any, value: str) -> None:
+def _shows(page, value):
     page.wait_for_function(
         "value => document.querySelector('.tree').textContent.includes(value)", arg=value
     )
 
 
-def test_a_moment_shows_the_message_before_it(log: Any) -> None:
+def test_a_moment_shows_the_message_before_it(log):
     box = log.locator(SLIDER).bounding_box()
     log.mouse.click(box["x"] + 1 + (box["width"] - 2) * 0.425, box["y"] + 10)
     _shows(log, "42.0")
@@ -50,7 +47,7 @@ def test_a_moment_shows_the_message_before_it(log: Any) -> None:
     _shows(log, "7.0")
 
 
-def test_keys_step_and_seek(log: Any) -> None:
+def test_keys_step_and_seek(log):
     log.focus(SLIDER)
     log.keyboard.press("Home")
     _shows(log, "0.0")
@@ -69,13 +66,13 @@ def test_keys_step_and_seek(log: Any) -> None:
     assert log.input_value(".timeline select") == "2"
 
 
-def test_nothing_can_be_published(log: Any) -> None:
+def test_nothing_can_be_published(log):
     assert log.locator(".link").inner_text() == "log"
     log.click("text=Publish …")
     log.wait_for_selector("button:has-text('Publish'):disabled")
 
 
-def test_a_plot_has_the_whole_log_and_the_value_where_it_is_played(log: Any) -> None:
+def test_a_plot_has_the_whole_log_and_the_value_where_it_is_played(log):
     address = log.url.partition("#")[0]
     log.goto("about:blank")
     log.goto(panel_address(address, "plot", fields=["/count/data"]))

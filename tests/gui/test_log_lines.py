@@ -2,24 +2,18 @@
 
 import signal
 import socket
-from collections.abc import Callable
-from typing import Any
 
 import pytest
-from fixtures.nodes import LiveNode
-from fixtures.programs import Program
 
 from lcmtools import Node
 
-Run = Callable[[str], list[str]]
-
 
 @pytest.fixture
-def run(serve: Callable[..., tuple[Program, str]], page: Any) -> Run:
+def run(serve, page):
     """``run("...")``: the rows after ``receive("a b")``, a second a line, and calls of ``log``."""
     page.goto(serve("topics")[1])
 
-    def evaluate(body: str) -> list[str]:
+    def evaluate(body):
         found = page.evaluate(
             """async () => {
               const { default: Log } = await import("/panels/log.js");
@@ -60,17 +54,14 @@ CASES = [
 ]
 
 
-def test_lines_are_in_the_order_of_their_latest_times(run: Run) -> None:
+def test_lines_are_in_the_order_of_their_latest_times(run):
     for body, rows in CASES:
         assert run(body) == rows, body
 
 
 def test_lines_of_before_are_there_whatever_their_length_and_language_and_stay(
-    module_start_node: Callable[..., LiveNode],
-    module_start: Callable[..., Program],
-    lcmtools_path: str,
-    page: Any,
-) -> None:
+    module_start_node, module_start, lcmtools_path, page
+):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = str(free.getsockname()[1])
     command = (lcmtools_path, "gui", "log", "--no-open", "--port", port)

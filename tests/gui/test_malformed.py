@@ -2,26 +2,21 @@
 
 import io
 import math
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 from PIL import Image as Picture
 
-from lcmtools.bus.base import Bus
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft
-from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import PoseArray, PoseStamped
 from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
 from lcmtools.types.sensor_msgs import CompressedImage, Image, LaserScan, PointCloud, PointCloud2
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 
-WORLD: Mapping[str, object] = {"header": {"frame_id": "world"}}
+WORLD = {"header": {"frame_id": "world"}}
 AWAY = {"x": math.nan}
 FAR = {"x": 1e300}
 CUBE = {**WORLD, "type": 1, "scale": {"x": 1, "y": 1, "z": 1}, "color": {"a": 1}}
@@ -29,7 +24,7 @@ CELLS = {"width": 2, "height": 2, "resolution": 0.1}
 POINTS = [AWAY, {}, {}]
 
 
-def transform(parent: str, child: str, **place: float) -> dict[str, object]:
+def transform(parent, child, **place):
     return {
         "header": {"frame_id": parent},
         "child_frame_id": child,
@@ -37,7 +32,7 @@ def transform(parent: str, child: str, **place: float) -> dict[str, object]:
     }
 
 
-DISPLAYS: list[tuple[type[Any], dict[str, Any], str]] = [
+DISPLAYS = [
     (TFMessage, {"transforms": [transform("", "")]}, "it has an empty name"),
     (TFMessage, {"transforms": [transform("a", "a")]}, "it is its own parent"),
     (TFMessage, {"transforms": [transform("a", "b", **AWAY)]}, "its place is not finite"),
@@ -67,7 +62,7 @@ DISPLAYS: list[tuple[type[Any], dict[str, Any], str]] = [
     (OccupancyGrid, {**WORLD, "info": CELLS}, "2 x 2 cells, but data has 0"),
     (OccupancyGrid, {**WORLD, "info": {**CELLS, "resolution": 0}, "data": [0] * 4}, "is 0 m"),
 ]
-IMAGES: list[tuple[type[Any], dict[str, Any], str]] = [
+IMAGES = [
     (Image, {"width": 4, "height": 2, "encoding": "rgb8", "step": 11, "data": b"\0" * 24}, "11"),
     (Image, {"width": 4, "height": 2, "encoding": "rgb8", "step": 12, "data": b"\0" * 23}, "23"),
     (Image, {"width": 4, "height": 2, "encoding": "?", "step": 4, "data": b"\0" * 8}, "'?'"),
@@ -80,7 +75,7 @@ IMAGES: list[tuple[type[Any], dict[str, Any], str]] = [
 
 
 @pytest.fixture
-def bus(bus_url: str) -> Iterator[Bus]:
+def bus(bus_url):
     """A program that publishes."""
     opened = open_bus(parse_url(bus_url))
     yield opened
@@ -88,10 +83,10 @@ def bus(bus_url: str) -> Iterator[Bus]:
 
 
 @pytest.fixture
-def window(start: Callable[..., Program], lcmtools_path: str, bus_url: str) -> Callable[..., str]:
+def window(start, lcmtools_path, bus_url):
     """``window("world")``: the address of a window."""
 
-    def run(*words: str) -> str:
+    def run(*words):
         about = ("--port", "0", "--no-open", "--lcm-url", bus_url)
         server = start(lcmtools_path, "gui", *words, *about)
         return server.wait_for("http://").split()[-1]
@@ -99,15 +94,13 @@ def window(start: Callable[..., Program], lcmtools_path: str, bus_url: str) -> C
     return run
 
 
-def made(kind: type[Any], values: Mapping[str, Any]) -> Message:
+def made(kind, values):
     """A message with some values; others are the type's defaults."""
-    found: Message = draft(kind, dict(values)).message
+    found = draft(kind, dict(values)).message
     return found
 
 
-def test_each_display_of_the_world_says_what_is_wrong_and_the_others_go_on(
-    window: Callable[..., str], bus: Bus, page: Any
-) -> None:
+def test_each_display_of_the_world_says_what_is_wrong_and_the_others_go_on(window, bus, page):
     page.goto(window("world"))
     page.locator(".world-stage canvas").wait_for()
     bus.publish("/good", encode(made(PoseStamped, WORLD)))
@@ -132,9 +125,7 @@ def test_each_display_of_the_world_says_what_is_wrong_and_the_others_go_on(
     )
 
 
-def test_a_damaged_jpeg_file_after_a_good_one_stops_nothing(
-    window: Callable[..., str], bus: Bus, page: Any
-) -> None:
+def test_a_damaged_jpeg_file_after_a_good_one_stops_nothing(window, bus, page):
     page.goto(window("image", "/camera"))
     page.locator(".panel-body > *").wait_for()
     for width in (20, 30):
@@ -149,9 +140,7 @@ def test_a_damaged_jpeg_file_after_a_good_one_stops_nothing(
             )
 
 
-def test_an_image_panel_says_what_is_wrong_and_shows_the_next_image(
-    window: Callable[..., str], bus: Bus, page: Any
-) -> None:
+def test_an_image_panel_says_what_is_wrong_and_shows_the_next_image(window, bus, page):
     page.goto(window("image", "/camera"))
     page.locator(".panel-body > *").wait_for()
     pixels = {"width": 2, "height": 1, "encoding": "rgb8", "step": 6, "data": b"\0" * 6}

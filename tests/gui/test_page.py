@@ -3,23 +3,19 @@
 import json
 import signal
 import socket
-from collections.abc import Callable
-from typing import Any
 from urllib.parse import quote
 
 import pytest
-from fixtures.programs import Program
 
 from lcmtools.errors import NothingReceived
 from lcmtools.observe.reading.received import messages
 from tests.gui.conftest import forget_layouts
 
-Serve = Callable[..., tuple[Program, str]]
 POSE = "{header: {frame_id: map}, pose: {position: {x: 1.5, y: -2.0}}}"
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _nodes(module_start: Callable[..., Program], lcmtools_path: str) -> None:
+def _nodes(module_start, lcmtools_path):
     module_start(lcmtools_path, "run", "talker").wait_for("hello")
     module_start(
         lcmtools_path, *("pub", "-r", "10", "/pose", "geometry_msgs/PoseStamped", POSE, "-v")
@@ -27,14 +23,14 @@ def _nodes(module_start: Callable[..., Program], lcmtools_path: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def address(module_start: Callable[..., Program], lcmtools_path: str) -> str:
+def address(module_start, lcmtools_path):
     """The address of a window with all panels that the tests share."""
     server = module_start(lcmtools_path, "gui", "--port", "0", "--no-open")
     return server.wait_for("http://").split()[-1]
 
 
 @pytest.fixture
-def topics(page: Any, address: str) -> Any:
+def topics(page, address):
     """A page that shows the topics above the log."""
     parts = [{"panel": "topics"}, {"panel": "log"}]
     tree = {"split": "column", "parts": parts, "sizes": [3, 1]}
@@ -44,30 +40,30 @@ def topics(page: Any, address: str) -> Any:
     return page
 
 
-def row(page: Any, topic: str) -> Any:
+def row(page, topic):
     return page.locator("tbody tr", has=page.get_by_role("cell", name=topic, exact=True))
 
 
-def panels(page: Any) -> list[str]:
+def panels(page):
     return [str(name) for name in page.locator(".panel h2").all_inner_texts()]
 
 
-def test_topics_have_their_types_and_rates(topics: Any) -> None:
+def test_topics_have_their_types_and_rates(topics):
     chatter = row(topics, "/chatter")
     assert "std_msgs/String" in chatter.inner_text()
     chatter.get_by_text("10.0 Hz").wait_for()
     assert "/talker" in chatter.inner_text()
 
 
-def test_the_filter_leaves_the_topics_with_its_text(topics: Any) -> None:
+def test_the_filter_leaves_the_topics_with_its_text(topics):
     topics.get_by_label("Filter topics").fill("PoseStamped")
     row(topics, "/chatter").wait_for(state="detached")
     assert row(topics, "/pose").count() == 1
     assert topics.get_by_text("1 of ").count() == 1
 
 
-def test_columns_sort_both_ways(topics: Any) -> None:
-    def order() -> list[str]:
+def test_columns_sort_both_ways(topics):
+    def order():
         return [str(one) for one in topics.locator("tbody td[data-column=topic]").all_inner_texts()]
 
     by_name = order()
@@ -77,7 +73,7 @@ def test_columns_sort_both_ways(topics: Any) -> None:
     assert topics.locator("th[data-column=topic]").get_attribute("aria-sort") == "descending"
 
 
-def test_a_message_unfolds_with_its_units_and_comments(topics: Any) -> None:
+def test_a_message_unfolds_with_its_units_and_comments(topics):
     row(topics, "/pose").click()
     tree = topics.get_by_role("tree", name="Message of /pose")
     x = tree.locator("[data-path='pose.position.x']")
@@ -91,7 +87,7 @@ def test_a_message_unfolds_with_its_units_and_comments(topics: Any) -> None:
     assert "position" in position.locator(".tree-comment").inner_text()
 
 
-def test_the_form_publishes_once_and_at_a_rate(topics: Any, module_bus_url: str) -> None:
+def test_the_form_publishes_once_and_at_a_rate(topics, module_bus_url):
     arrivals = messages("/speed", url=module_bus_url, wall_time=True, timeout=40.0)
     topics.get_by_role("button", name="Publish …").click()
     form = topics.get_by_role("form", name="Publish")
@@ -104,7 +100,7 @@ def test_the_form_publishes_once_and_at_a_rate(topics: Any, module_bus_url: str)
     form.get_by_text("linear.x").wait_for()  # the error names the field
     x.fill("0.25")
     form.get_by_role("button", name="Repeat").click()
-    found: Any = next(arrivals).message
+    found = next(arrivals).message
     assert found.linear.x == 0.25  # the first one: Enter has sent none of zeros
     form.get_by_text("published 3").wait_for()
     form.get_by_role("button", name="Stop").click()
@@ -115,7 +111,7 @@ def test_the_form_publishes_once_and_at_a_rate(topics: Any, module_bus_url: str)
     arrivals.close()
 
 
-def test_the_type_and_the_slash_of_a_known_topic_are_filled_in(topics: Any) -> None:
+def test_the_type_and_the_slash_of_a_known_topic_are_filled_in(topics):
     topics.get_by_role("button", name="Publish …").click()
     form = topics.get_by_role("form", name="Publish")
     form.get_by_label("Topic").fill("pose")
@@ -124,7 +120,7 @@ def test_the_type_and_the_slash_of_a_known_topic_are_filled_in(topics: Any) -> N
     assert form.get_by_label("Topic").input_value() == "/pose"
 
 
-def test_nobody_publishes_from_a_page_that_may_only_watch(serve: Serve, page: Any) -> None:
+def test_nobody_publishes_from_a_page_that_may_only_watch(serve, page):
     _, address = serve("topics", "--read-only")
     page.goto(address)
     page.get_by_text("watching only").wait_for()
@@ -135,7 +131,7 @@ def test_nobody_publishes_from_a_page_that_may_only_watch(serve: Serve, page: An
     assert page.get_by_role("button", name="Repeat").is_disabled()
 
 
-def test_the_log_shows_lines_by_level_node_and_text(topics: Any) -> None:
+def test_the_log_shows_lines_by_level_node_and_text(topics):
     log = topics.locator("[data-panel=log]")
     log.get_by_text("hello world").first.wait_for()
     log.get_by_label("Search the lines").fill("nobody says this")
@@ -149,7 +145,7 @@ def test_the_log_shows_lines_by_level_node_and_text(topics: Any) -> None:
     log.get_by_text("hello world").first.wait_for()
 
 
-def repeat(page: Any, topic: str) -> None:
+def repeat(page, topic):
     """Let the form publish again and again."""
     page.get_by_role("button", name="Publish …").click()
     form = page.get_by_role("form", name="Publish")
@@ -162,8 +158,8 @@ def repeat(page: Any, topic: str) -> None:
 
 
 def test_it_comes_back_by_itself_but_what_was_sent_does_not(
-    page: Any, module_start: Callable[..., Program], lcmtools_path: str, module_bus_url: str
-) -> None:
+    page, module_start, lcmtools_path, module_bus_url
+):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = str(free.getsockname()[1])
     command = (lcmtools_path, "gui", "topics", "--no-open", "--port", port)
@@ -190,9 +186,7 @@ def test_it_comes_back_by_itself_but_what_was_sent_does_not(
     again.send_signal(signal.SIGINT)
 
 
-def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(
-    topics: Any, address: str, browser: Any
-) -> None:
+def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(topics, address, browser):
     assert panels(topics) == ["Topics", "Log"]
     topics.get_by_label("Filter topics").fill("chat")
     topics.locator("[data-panel=log]").get_by_role("button", name="Close").click()
@@ -218,15 +212,13 @@ def test_the_arrangement_is_kept_in_the_browser_and_in_the_address(
 
 
 @pytest.mark.parametrize("cut_off", ["%7B%22panel", "%E0%A4%A", "%7B%22panel%22%3A%22none%22%7D"])
-def test_an_address_that_was_cut_off_shows_panels_all_the_same(
-    page: Any, address: str, cut_off: str
-) -> None:
+def test_an_address_that_was_cut_off_shows_panels_all_the_same(page, address, cut_off):
     page.goto(f"{address}#{cut_off}")
     page.locator(".layout > *").first.wait_for()
     page.get_by_text("connected", exact=True).wait_for()
 
 
-def test_dividers_and_panels_are_moved_by_pointer(topics: Any) -> None:
+def test_dividers_and_panels_are_moved_by_pointer(topics):
     log = topics.locator("[data-panel=log]")
     before = log.bounding_box()
     divider = topics.get_by_role("separator").bounding_box()
@@ -248,7 +240,7 @@ def test_dividers_and_panels_are_moved_by_pointer(topics: Any) -> None:
     assert left["x"] + left["width"] <= right["x"]
 
 
-def reach(page: Any, label: str) -> None:
+def reach(page, label):
     """Press Tab until what has this label has the focus."""
     label_of = "() => { const one = document.activeElement; return one.ariaLabel || one.innerText }"
     for _ in range(80):
@@ -258,12 +250,12 @@ def reach(page: Any, label: str) -> None:
     pytest.fail(f"'{label}' is not reached")
 
 
-def press(page: Any, *keys: str) -> None:
+def press(page, *keys):
     for key in keys:
         page.keyboard.press(key)
 
 
-def test_a_topic_is_chosen_and_its_message_unfolded_by_the_keyboard(topics: Any) -> None:
+def test_a_topic_is_chosen_and_its_message_unfolded_by_the_keyboard(topics):
     topics.evaluate("() => document.activeElement.blur()")
     reach(topics, "Filter topics")
     topics.keyboard.type("pose")
@@ -282,7 +274,7 @@ def test_a_topic_is_chosen_and_its_message_unfolded_by_the_keyboard(topics: Any)
     assert topics.evaluate("() => document.activeElement.dataset.path") == "pose"
 
 
-def test_panels_are_added_moved_sized_and_closed_by_the_keyboard(topics: Any) -> None:
+def test_panels_are_added_moved_sized_and_closed_by_the_keyboard(topics):
     log = topics.locator("[data-panel=log]")
     height = log.bounding_box()["height"]
     reach(topics, "Divider")
@@ -300,8 +292,8 @@ def test_panels_are_added_moved_sized_and_closed_by_the_keyboard(topics: Any) ->
     assert "Log" not in panels(topics)
 
 
-def test_light_and_dark_are_chosen_and_kept(topics: Any) -> None:
-    def background() -> str:
+def test_light_and_dark_are_chosen_and_kept(topics):
+    def background():
         return str(topics.evaluate("() => getComputedStyle(document.body).backgroundColor"))
 
     before = background()
@@ -315,7 +307,7 @@ def test_light_and_dark_are_chosen_and_kept(topics: Any) -> None:
     assert background() == before
 
 
-def test_a_narrow_screen_has_the_panels_below_each_other(topics: Any) -> None:
+def test_a_narrow_screen_has_the_panels_below_each_other(topics):
     topics.set_viewport_size({"width": 360, "height": 780})
     row(topics, "/pose").click()
     topics.get_by_role("tree", name="Message of /pose").get_by_text("1.5").wait_for()
@@ -325,12 +317,10 @@ def test_a_narrow_screen_has_the_panels_below_each_other(topics: Any) -> None:
     assert topics.evaluate("() => document.documentElement.scrollWidth") <= 360
 
 
-def test_a_panel_is_shown_when_its_styles_are_there(
-    serve: Callable[..., tuple[Program, str]], page: Any
-) -> None:
-    held: list[Any] = []
+def test_a_panel_is_shown_when_its_styles_are_there(serve, page):
+    held = []
 
-    def hold(route: Any) -> None:
+    def hold(route):
         held.append(route)
 
     page.route("**/steer.css", hold)

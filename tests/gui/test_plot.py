@@ -7,11 +7,8 @@ import re
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.nodes import LiveNode
-from fixtures.programs import Program
 
 from lcmtools import Node
 from lcmtools.types.std_msgs import Float64
@@ -23,12 +20,12 @@ Publish = Callable[[float], None]
 
 
 @pytest.fixture
-def publish(module_start_node: Callable[..., LiveNode]) -> Publish:
+def publish(module_start_node):
     """``publish(1.5)`` publishes a number on /wave."""
     node = module_start_node(lambda: Node("source")).node
     publisher = node.create_publisher(Float64, "/wave")
 
-    def send(value: float) -> None:
+    def send(value):
         message = Float64()
         message.data = value
         publisher.publish(message)
@@ -36,14 +33,14 @@ def publish(module_start_node: Callable[..., LiveNode]) -> Publish:
     return send
 
 
-def _latest(page: Any, label: str) -> float:
+def _latest(page, label):
     """The latest value of a curve, as the table has it; NaN for none."""
     row = page.locator(".plot-table tbody tr", has_text=label)
     text = row.locator("td").first.inner_text()
     return math.nan if text == "\N{EN DASH}" else float(text)
 
 
-def _plotted(page: Any, publish: Publish, value: float, label: str = _FIELD) -> None:
+def _plotted(page, publish, value, label=_FIELD):
     """Publish a number, again and again, until it is the latest in the table."""
     deadline = time.monotonic() + 40
     while _latest(page, label) != value:
@@ -52,9 +49,7 @@ def _plotted(page: Any, publish: Publish, value: float, label: str = _FIELD) -> 
         page.wait_for_timeout(50)
 
 
-def test_every_sample_is_plotted_and_saved(
-    serve: Callable[..., tuple[Program, str]], page: Any, publish: Publish, tmp_path: Path
-) -> None:
+def test_every_sample_is_plotted_and_saved(serve, page, publish, tmp_path):
     page.goto(serve("plot", _FIELD)[1])
     page.get_by_text("no message of /wave has come yet").wait_for()
     _plotted(page, publish, 0.5)
@@ -75,9 +70,7 @@ def test_every_sample_is_plotted_and_saved(
     assert page.locator(".plot-table .muted").inner_text() == f"{len(rows)} samples"
 
 
-def test_a_field_is_added_by_typing_and_by_the_tree_and_kept(
-    serve: Callable[..., tuple[Program, str]], page: Any, publish: Publish
-) -> None:
+def test_a_field_is_added_by_typing_and_by_the_tree_and_kept(serve, page, publish):
     _, address = serve()
     page.goto(panel_address(address, "plot"))
     publish(1.0)
@@ -98,9 +91,7 @@ def test_a_field_is_added_by_typing_and_by_the_tree_and_kept(
     _plotted(page, publish, 3.5)
 
 
-def test_a_wrong_field_is_explained_and_the_others_are_plotted(
-    serve: Callable[..., tuple[Program, str]], page: Any, publish: Publish
-) -> None:
+def test_a_wrong_field_is_explained_and_the_others_are_plotted(serve, page, publish):
     page.goto(serve("plot", _FIELD, "/wave/date", "/weve/data")[1])
     publish(1.0)
     _plotted(page, publish, 4.5)
@@ -110,9 +101,7 @@ def test_a_wrong_field_is_explained_and_the_others_are_plotted(
     assert "did you mean /wave/data?" in notice.inner_text()
 
 
-def test_what_is_shown_is_paused_moved_and_followed_by_keys(
-    serve: Callable[..., tuple[Program, str]], page: Any, publish: Publish
-) -> None:
+def test_what_is_shown_is_paused_moved_and_followed_by_keys(serve, page, publish):
     page.goto(serve("plot", _FIELD)[1])
     publish(1.0)
     _plotted(page, publish, 5.5)
@@ -128,9 +117,7 @@ def test_what_is_shown_is_paused_moved_and_followed_by_keys(
     assert pause.get_attribute("aria-pressed") == "false"
 
 
-def test_the_value_axis_has_the_same_limits_as_in_python(
-    serve: Callable[..., tuple[Program, str]], page: Any
-) -> None:
+def test_the_value_axis_has_the_same_limits_as_in_python(serve, page):
     page.goto(serve("plot", _FIELD)[1])
     found = page.evaluate(
         """async (rows) => {

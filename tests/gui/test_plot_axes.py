@@ -2,13 +2,8 @@
 
 import csv
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.nodes import LiveNode
-from fixtures.programs import Program
 
 from lcmtools import Node
 from lcmtools.types.nav_msgs import Odometry
@@ -35,26 +30,26 @@ COLORED = """() => {
 class Robot:
     """A program that publishes odometry, numbers, and simulated time."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.node = Node("robot")
         self.odometry = self.node.create_publisher(Odometry, "/odom")
         self.number = self.node.create_publisher(Float64, "/number")
         self.clock = self.node.create_publisher(Clock, "/clock")
 
-    def drive(self, x: float, y: float = 0.0, stamp: int = 0) -> None:
+    def drive(self, x, y=0.0, stamp=0):
         """Publish a place [m] with a stamp [s]."""
         message = Odometry()
         message.pose.pose.position.x, message.pose.pose.position.y = x, y
         message.header.stamp.sec = stamp
         self.odometry.publish(message)
 
-    def say(self, value: float) -> None:
+    def say(self, value):
         """Publish a number."""
         message = Float64()
         message.data = value
         self.number.publish(message)
 
-    def tick(self, seconds: int) -> None:
+    def tick(self, seconds):
         """Publish simulated time."""
         message = Clock()
         message.clock.sec = seconds
@@ -62,11 +57,11 @@ class Robot:
 
 
 @pytest.fixture
-def robot(module_start_node: Callable[..., LiveNode]) -> Robot:
+def robot(module_start_node):
     """A robot on the module's bus."""
-    robots: list[Robot] = []
+    robots = []
 
-    def make() -> Node:
+    def make():
         robots.append(Robot())
         return robots[0].node
 
@@ -75,10 +70,10 @@ def robot(module_start_node: Callable[..., LiveNode]) -> Robot:
 
 
 @pytest.fixture
-def plot(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[..., Any]:
+def plot(serve, page):
     """``plot("/a/data", x="stamp")``: a page with a plot."""
 
-    def run(*fields: str, **settings: object) -> Any:
+    def run(*fields, **settings):
         page.goto(panel_address(serve()[1], "plot", fields=list(fields), **settings))
         page.locator(".plot-table").wait_for()
         return page
@@ -86,7 +81,7 @@ def plot(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[..., 
     return run
 
 
-def until_plotted(page: Any, label: str, send: Callable[[], None], text: str) -> None:
+def until_plotted(page, label, send, text):
     """Publish until the table has a value: the plot may follow the topic only then."""
     row = page.locator(".plot-table tbody tr", has_text=label)
     for _ in range(400):
@@ -97,7 +92,7 @@ def until_plotted(page: Any, label: str, send: Callable[[], None], text: str) ->
     pytest.fail(f"the table has {row.locator('td').first.inner_text()}, not {text}")
 
 
-def saved(page: Any, folder: Path) -> list[dict[str, str]]:
+def saved(page, folder):
     """The rows of the plot's CSV."""
     with page.expect_download() as download:
         page.get_by_role("button", name="CSV").click()
@@ -105,9 +100,7 @@ def saved(page: Any, folder: Path) -> list[dict[str, str]]:
     return list(csv.DictReader((folder / "plot.csv").read_text().splitlines()))
 
 
-def test_the_first_sample_of_a_waiting_plot_is_drawn(
-    plot: Callable[..., Any], robot: Robot
-) -> None:
+def test_the_first_sample_of_a_waiting_plot_is_drawn(plot, robot):
     page = plot("/number/data")
     page.get_by_text("no message of /number has come yet").wait_for()
     robot.say(3.25)
@@ -116,9 +109,7 @@ def test_the_first_sample_of_a_waiting_plot_is_drawn(
     assert page.locator(".plot-table .muted").inner_text() == "1 samples"
 
 
-def test_a_curve_is_plotted_over_another_one_with_units(
-    plot: Callable[..., Any], robot: Robot
-) -> None:
+def test_a_curve_is_plotted_over_another_one_with_units(plot, robot):
     page = plot(X, Y, window=0)
     until_plotted(page, X, lambda: robot.drive(1.0), "1")
     assert page.locator(".plot-table th button").all_inner_texts() == [f"{X} [m]", f"{Y} [m]"]
@@ -132,9 +123,7 @@ def test_a_curve_is_plotted_over_another_one_with_units(
     assert page.get_by_label("Horizontal axis").input_value() == "arrival"
 
 
-def test_samples_are_at_their_stamps_in_their_order(
-    plot: Callable[..., Any], robot: Robot, tmp_path: Path
-) -> None:
+def test_samples_are_at_their_stamps_in_their_order(plot, robot, tmp_path):
     page = plot(X, x="stamp", window=0)
     until_plotted(page, X, lambda: robot.drive(1.0, stamp=500), "1")
     for value, stamp in ((2.0, 501), (4.0, 503), (3.0, 502), (5.0, 504)):
@@ -146,7 +135,7 @@ def test_samples_are_at_their_stamps_in_their_order(
     assert found == [(500.0, 1.0), (501.0, 2.0), (502.0, 3.0), (503.0, 4.0), (504.0, 5.0)]
 
 
-def test_messages_without_a_time_are_named(plot: Callable[..., Any], robot: Robot) -> None:
+def test_messages_without_a_time_are_named(plot, robot):
     page = plot("/number/data", X, x="stamp")
     for _ in range(3):
         robot.say(1.0)
@@ -156,12 +145,10 @@ def test_messages_without_a_time_are_named(plot: Callable[..., Any], robot: Robo
     notice.get_by_text("the messages of /odom have no time: header.stamp is 0").wait_for()
 
 
-def test_samples_are_at_simulated_time(
-    plot: Callable[..., Any], robot: Robot, tmp_path: Path
-) -> None:
+def test_samples_are_at_simulated_time(plot, robot, tmp_path):
     page = plot("/number/data", x="simulated", window=0)
 
-    def send() -> None:
+    def send():
         robot.tick(77)
         robot.say(1.5)
 
@@ -169,9 +156,7 @@ def test_samples_are_at_simulated_time(
     assert {row["time"] for row in saved(page, tmp_path)} == {"77.000000"}
 
 
-def test_values_that_are_not_finite_are_named(
-    plot: Callable[..., Any], robot: Robot, tmp_path: Path
-) -> None:
+def test_values_that_are_not_finite_are_named(plot, robot, tmp_path):
     page = plot("/number/data", window=0)
     until_plotted(page, "/number", lambda: robot.say(math.inf), "inf")
     until_plotted(page, "/number", lambda: robot.say(-math.inf), "-inf")
@@ -181,7 +166,7 @@ def test_values_that_are_not_finite_are_named(
     assert list(dict.fromkeys(values)) == ["inf", "-inf", "nan", "1e+300"]
 
 
-def test_the_value_axis_is_chosen_and_kept(plot: Callable[..., Any], robot: Robot) -> None:
+def test_the_value_axis_is_chosen_and_kept(plot, robot):
     page = plot("/number/data")
     until_plotted(page, "/number", lambda: robot.say(1.5), "1.50000")
     for label, value in (("Lower end", "-2"), ("Upper end", "-4"), ("Least span", "3")):
@@ -209,9 +194,7 @@ LIMITS = [
 ]
 
 
-def test_limits_are_chosen_or_fit_the_values_and_ticks_are_told_apart(
-    plot: Callable[..., Any],
-) -> None:
+def test_limits_are_chosen_or_fit_the_values_and_ticks_are_told_apart(plot):
     free = {"least": None, "most": None, "span": None}
     found, ticks = plot().evaluate(
         """async ([rows, spans]) => {

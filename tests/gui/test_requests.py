@@ -1,31 +1,25 @@
 """Services, parameters and recordings in a real browser, with a node as the witness."""
 
 import signal
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 
 import lcmtools
 from lcmtools import Node
 from lcmtools.types.std_srvs import SetBool
 from tests.gui.conftest import panel_address
 
-Serve = Callable[..., tuple[Program, str]]
-
 
 class Server(Node):
     """A node with a service and a parameter."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("server")
-        self.received: list[bool] = []
+        self.received = []
         self.create_service(SetBool, "switch", self._switch)
         self.declare_parameter("gain", 1.0, "of the effort", minimum=0.0, maximum=10.0)
 
-    def _switch(self, request: Any, response: Any) -> Any:
+    def _switch(self, request, response):
         self.received.append(request.data)
         if not request.data:
             raise RuntimeError("no power")
@@ -34,28 +28,26 @@ class Server(Node):
 
 
 @pytest.fixture(scope="module")
-def node(module_start_node: Callable[..., Any]) -> Any:
+def node(module_start_node):
     """A node on the module's bus."""
     return module_start_node(Server).node
 
 
 @pytest.fixture(scope="module")
-def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def directory(tmp_path_factory):
     """Where the window records."""
     return tmp_path_factory.mktemp("recordings")
 
 
 @pytest.fixture(scope="module")
-def address(module_start: Callable[..., Program], lcmtools_path: str, directory: Path) -> str:
+def address(module_start, lcmtools_path, directory):
     """The address of a window that the tests share."""
     words = ("gui", "--port", "0", "--no-open", "--record-directory", str(directory))
     server = module_start(lcmtools_path, *words)
     return server.wait_for("http://").split()[-1]
 
 
-def test_a_service_is_chosen_called_and_its_answer_unfolded(
-    page: Any, address: str, node: Any
-) -> None:
+def test_a_service_is_chosen_called_and_its_answer_unfolded(page, address, node):
     page.goto(panel_address(address, "services"))
     page.get_by_label("Service", exact=True).select_option("/switch")
     page.get_by_text("std_srvs/SetBool of /server").wait_for()
@@ -83,9 +75,7 @@ def test_a_service_is_chosen_called_and_its_answer_unfolded(
 
 
 @pytest.mark.usefixtures("node")
-def test_a_parameter_is_set_or_refused_by_its_node(
-    page: Any, address: str, node: Any, wait_until: Callable[..., None]
-) -> None:
+def test_a_parameter_is_set_or_refused_by_its_node(page, address, node, wait_until):
     page.goto(panel_address(address, "parameters"))
     page.get_by_label("Node", exact=True).select_option("/server")
     gain = page.get_by_label("gain")
@@ -102,13 +92,7 @@ def test_a_parameter_is_set_or_refused_by_its_node(
     wait_until(lambda: gain.input_value() == "4.0")  # another program's change is shown
 
 
-def test_a_recording_is_started_and_stopped(
-    page: Any,
-    address: str,
-    directory: Path,
-    module_start: Callable[..., Program],
-    lcmtools_path: str,
-) -> None:
+def test_a_recording_is_started_and_stopped(page, address, directory, module_start, lcmtools_path):
     module_start(lcmtools_path, "run", "talker").wait_for("hello")
     page.goto(panel_address(address, "record"))
     page.get_by_label("/chatter", exact=True).check()
@@ -128,9 +112,7 @@ def test_a_recording_is_started_and_stopped(
 @pytest.mark.parametrize(
     ("panel", "control"), [("services", "Call"), ("record", "Record"), ("parameters", "gain")]
 )
-def test_a_page_that_may_only_watch_has_no_controls(
-    serve: Serve, page: Any, panel: str, control: str
-) -> None:
+def test_a_page_that_may_only_watch_has_no_controls(serve, page, panel, control):
     _, address = serve("all", "--read-only")
     page.goto(panel_address(address, panel, node="/server"))
     page.get_by_text("this page may only watch, not command").wait_for()
@@ -139,8 +121,8 @@ def test_a_page_that_may_only_watch_has_no_controls(
 
 
 def test_values_of_a_node_that_does_not_answer_are_marked_as_old(
-    page: Any, address: str, start: Callable[..., Program], lcmtools_path: str, module_bus_url: str
-) -> None:
+    page, address, start, lcmtools_path, module_bus_url
+):
     talker = start(lcmtools_path, "run", "talker", "__node:=mute", LCM_DEFAULT_URL=module_bus_url)
     talker.wait_for("hello")
     page.goto(panel_address(address, "parameters", node="/mute"))

@@ -4,13 +4,10 @@ import itertools
 import os
 import shlex
 import signal
-from collections.abc import Callable, Iterator
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 
 from lcmtools.observe.reading.received import messages
 from lcmtools.types.geometry_msgs import Twist
@@ -25,16 +22,16 @@ _STEADY = 7  # commands
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _husky(module_start: Callable[..., Program], lcmtools_path: str) -> None:
+def _husky(module_start, lcmtools_path):
     module_start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
 
 
 @pytest.fixture
-def commands(module_bus_url: str) -> Iterator[Callable[[], Twist]]:
+def commands(module_bus_url):
     """``commands()``: the next message on the topic that is steered."""
     with closing(messages(TOPIC, url=module_bus_url, wall_time=True, timeout=_LONG)) as arrivals:
 
-        def take() -> Twist:
+        def take():
             message = next(arrivals).message
             assert isinstance(message, Twist)
             return message
@@ -42,16 +39,16 @@ def commands(module_bus_url: str) -> Iterator[Callable[[], Twist]]:
         yield take
 
 
-def speeds(url: str) -> Iterator[float]:
+def speeds(url):
     """The Husky's speed by its odometry, as it comes [m/s]."""
     for arrival in messages("/husky0/odometry", url=url, wall_time=True, timeout=_LONG):
         assert isinstance(arrival.message, Odometry)
         yield arrival.message.twist.twist.linear.x
 
 
-def wait_for_speed(url: str, is_right: Callable[[float], bool]) -> None:
+def wait_for_speed(url, is_right):
     with closing(speeds(url)) as found:
-        seen: list[float] = []
+        seen = []
         for speed in found:
             if is_right(speed):
                 return
@@ -59,22 +56,22 @@ def wait_for_speed(url: str, is_right: Callable[[float], bool]) -> None:
             assert len(seen) < _MOST, f"the last speeds are {seen[-5:]}"
 
 
-def moves(url: str) -> None:
+def moves(url):
     """Wait until the Husky moves."""
     wait_for_speed(url, lambda speed: speed > _FAST)
 
 
-def stands(url: str) -> None:
+def stands(url):
     """Wait until the Husky stands."""
     wait_for_speed(url, lambda speed: abs(speed) < _SLOW)
 
 
-def reading(page: Any) -> str:
+def reading(page):
     """The forward speed that the page shows."""
     return str(page.locator(".reading output").first.inner_text())
 
 
-def hold_joystick(page: Any) -> None:
+def hold_joystick(page):
     """Push the joystick forward, and hold it."""
     page.get_by_text("obeyed by").wait_for()
     box = page.locator(".pad").bounding_box()
@@ -85,12 +82,7 @@ def hold_joystick(page: Any) -> None:
     page.locator(".steer.is-held").wait_for()
 
 
-def test_the_joystick_drives_until_it_is_let_go(
-    serve: Callable[..., tuple[Program, str]],
-    page: Any,
-    module_bus_url: str,
-    commands: Callable[[], Twist],
-) -> None:
+def test_the_joystick_drives_until_it_is_let_go(serve, page, module_bus_url, commands):
     page.goto(serve("steer", TOPIC)[1])
     hold_joystick(page)
     moves(module_bus_url)
@@ -107,9 +99,7 @@ def test_the_joystick_drives_until_it_is_let_go(
     page.get_by_text("Not driving").wait_for()
 
 
-def test_keys_drive_while_they_are_held(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
-) -> None:
+def test_keys_drive_while_they_are_held(serve, page, module_bus_url):
     page.goto(serve("steer", TOPIC, "--max-linear", "0.6")[1])
     page.get_by_text("obeyed by").wait_for()
     page.locator(".pad").focus()
@@ -121,9 +111,7 @@ def test_keys_drive_while_they_are_held(
     page.keyboard.up("w")
 
 
-def test_keys_drive_at_once_where_steering_is_all_there_is(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
-) -> None:
+def test_keys_drive_at_once_where_steering_is_all_there_is(serve, page, module_bus_url):
     page.goto(serve("steer", TOPIC)[1])
     page.get_by_text("obeyed by").wait_for()
     page.keyboard.down("w")
@@ -137,9 +125,7 @@ def test_keys_drive_at_once_where_steering_is_all_there_is(
     stands(module_bus_url)
 
 
-def test_nobody_drives_faster_than_the_command_line_says(
-    serve: Callable[..., tuple[Program, str]], page: Any, commands: Callable[[], Twist]
-) -> None:
+def test_nobody_drives_faster_than_the_command_line_says(serve, page, commands):
     address = serve("steer", TOPIC, "--max-linear", "0.4")[1]
     page.goto(panel_address(address, "steer", topic=TOPIC, linear=1000))
     page.get_by_text("obeyed by").wait_for()
@@ -156,9 +142,7 @@ def test_nobody_drives_faster_than_the_command_line_says(
     page.keyboard.up("Shift")
 
 
-def test_what_is_still_held_after_a_stop_drives_no_more(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
-) -> None:
+def test_what_is_still_held_after_a_stop_drives_no_more(serve, page, module_bus_url):
     page.goto(serve("steer", TOPIC)[1])
     hold_joystick(page)
     moves(module_bus_url)
@@ -171,16 +155,14 @@ def test_what_is_still_held_after_a_stop_drives_no_more(
     moves(module_bus_url)
 
 
-def test_a_finger_on_the_joystick_drives(
-    serve: Callable[..., tuple[Program, str]], page: Any, browser: Any, module_bus_url: str
-) -> None:
+def test_a_finger_on_the_joystick_drives(serve, page, browser, module_bus_url):
     page.goto(serve("steer", TOPIC)[1])
     page.get_by_text("obeyed by").wait_for()
     box = page.locator(".pad").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     session = browser.new_cdp_session(page)
 
-    def touch(kind: str, *points: dict[str, float]) -> None:
+    def touch(kind, *points):
         session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
 
     touch("touchStart", {"x": x, "y": y})
@@ -190,9 +172,7 @@ def test_a_finger_on_the_joystick_drives(
     stands(module_bus_url)
 
 
-def test_a_gamepad_drives_once_it_has_been_at_rest(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
-) -> None:
+def test_a_gamepad_drives_once_it_has_been_at_rest(serve, page, module_bus_url):
     page.add_init_script(
         "window.axes = [0, 0, 0, 0]; window.buttons = [{ pressed: false }]; navigator.getGamepads ="
         " () => [{ id: 'pad', connected: true, axes: window.axes, buttons: window.buttons }];"
@@ -220,9 +200,7 @@ def test_a_gamepad_drives_once_it_has_been_at_rest(
     assert reading(page) == "+1.00"
 
 
-def test_it_stops_when_the_page_hangs(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
-) -> None:
+def test_it_stops_when_the_page_hangs(serve, page, module_bus_url):
     page.goto(serve("steer", TOPIC)[1])
     hold_joystick(page)
     moves(module_bus_url)
@@ -230,9 +208,7 @@ def test_it_stops_when_the_page_hangs(
     stands(module_bus_url)
 
 
-def test_it_stops_when_the_page_is_hidden(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str
-) -> None:
+def test_it_stops_when_the_page_is_hidden(serve, page, module_bus_url):
     page.goto(serve("steer", TOPIC)[1])
     hold_joystick(page)
     moves(module_bus_url)
@@ -244,12 +220,7 @@ def test_it_stops_when_the_page_is_hidden(
     assert reading(page) == "0.00"
 
 
-def test_it_stops_when_the_browser_is_killed(
-    serve: Callable[..., tuple[Program, str]],
-    launch_browser: Callable[[Path], Any],
-    tmp_path: Path,
-    module_bus_url: str,
-) -> None:
+def test_it_stops_when_the_browser_is_killed(serve, launch_browser, tmp_path, module_bus_url):
     folder = tmp_path / "killed"
     context = launch_browser(folder)
     page = context.new_page()
@@ -264,9 +235,7 @@ def test_it_stops_when_the_browser_is_killed(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_stops_when_the_server_ends(
-    serve: Callable[..., tuple[Program, str]], page: Any, module_bus_url: str, number: int
-) -> None:
+def test_it_stops_when_the_server_ends(serve, page, module_bus_url, number):
     server, address = serve("steer", TOPIC)
     page.goto(address)
     hold_joystick(page)
@@ -277,12 +246,8 @@ def test_it_stops_when_the_server_ends(
 
 
 def test_ctrl_z_stops_the_robot_before_it_suspends_the_server(
-    module_start: Callable[..., Program],
-    lcmtools_path: str,
-    page: Any,
-    module_bus_url: str,
-    commands: Callable[[], Twist],
-) -> None:
+    module_start, lcmtools_path, page, module_bus_url, commands
+):
     command = (
         f"{shlex.quote(lcmtools_path)} gui steer {TOPIC} --port 0 --no-open & echo pid $!; wait"
     )
@@ -305,12 +270,8 @@ def test_ctrl_z_stops_the_robot_before_it_suspends_the_server(
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
 def test_it_stops_when_the_server_is_suspended_or_killed(
-    serve: Callable[..., tuple[Program, str]],
-    page: Any,
-    module_bus_url: str,
-    commands: Callable[[], Twist],
-    number: int,
-) -> None:
+    serve, page, module_bus_url, commands, number
+):
     server, address = serve("steer", TOPIC)
     page.goto(address)
     hold_joystick(page)
@@ -332,12 +293,8 @@ def test_it_stops_when_the_server_is_suspended_or_killed(
 
 
 def test_the_stop_button_stops_what_another_program_drives(
-    serve: Callable[..., tuple[Program, str]],
-    page: Any,
-    module_bus_url: str,
-    module_start: Callable[..., Program],
-    lcmtools_path: str,
-) -> None:
+    serve, page, module_bus_url, module_start, lcmtools_path
+):
     page.goto(serve("steer", TOPIC)[1])
     page.get_by_text("obeyed by").wait_for()
     joystick = page.locator(".pad").bounding_box()
@@ -352,9 +309,7 @@ def test_the_stop_button_stops_what_another_program_drives(
     stands(module_bus_url)
 
 
-def test_a_page_that_is_refused_does_not_say_that_it_drives(
-    serve: Callable[..., tuple[Program, str]], page: Any, browser: Any, module_bus_url: str
-) -> None:
+def test_a_page_that_is_refused_does_not_say_that_it_drives(serve, page, browser, module_bus_url):
     address = serve("steer", TOPIC)[1]
     page.goto(address)
     other = browser.new_page()
@@ -371,17 +326,13 @@ def test_a_page_that_is_refused_does_not_say_that_it_drives(
     stands(module_bus_url)
 
 
-def test_who_may_only_watch_is_told_so(
-    serve: Callable[..., tuple[Program, str]], page: Any
-) -> None:
+def test_who_may_only_watch_is_told_so(serve, page):
     page.goto(serve("steer", TOPIC, "--read-only")[1])
     page.get_by_text("This page may only watch, not command").wait_for()
     assert page.get_by_role("button", name="Stop").is_disabled()
 
 
-def test_topics_without_velocities_are_not_steered(
-    serve: Callable[..., tuple[Program, str]], page: Any
-) -> None:
+def test_topics_without_velocities_are_not_steered(serve, page):
     page.goto(serve("steer", "/husky0/wheel_cmd")[1])
     page.get_by_text("sensor_msgs/JointState commands no velocity").wait_for()
     page.get_by_label("Topic of velocity commands").fill(TOPIC)

@@ -4,12 +4,9 @@ import itertools
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
 
 import lcm
 import pytest
-from fixtures.programs import Program
 
 from lcmtools.types.geometry_msgs import Twist
 from tests.gui.conftest import panel_address
@@ -28,62 +25,62 @@ class Witness:
         heard: The time of each command [s], by the monotonic clock, and its speed [m/s].
     """
 
-    def __init__(self, url: str) -> None:
-        self.heard: list[tuple[float, float]] = []
+    def __init__(self, url):
+        self.heard = []
         self._changed = threading.Condition()
         self._lcm, self._is_over = lcm.LCM(url), False
         self._lcm.subscribe(TOPIC, self._take)
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
-    def first(self, is_right: Callable[[float], bool], since: float) -> float:
+    def first(self, is_right, since):
         """Wait for the first command since a time with such a speed; return its time."""
 
-        def times() -> list[float]:
+        def times():
             return [at for at, speed in self.heard if at > since and is_right(speed)]
 
         with self._changed:
             assert self._changed.wait_for(times, _LONG), self.heard[-5:]
             return times()[0]
 
-    def close(self) -> None:
+    def close(self):
         """Hear no more."""
         self._is_over = True
         self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self):
         while not self._is_over:
             self._lcm.handle_timeout(100)
 
-    def _take(self, _: str, data: bytes) -> None:
+    def _take(self, _, data):
         with self._changed:
             self.heard.append((time.monotonic(), round(Twist.decode(data).linear.x, 2)))
             self._changed.notify_all()
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _husky(module_start: Callable[..., Program], lcmtools_path: str) -> None:
+def _husky(module_start, lcmtools_path):
     module_start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
 
 
 @pytest.fixture
-def witness(module_bus_url: str) -> Iterator[Witness]:
+def witness(module_bus_url):
     """The messages that a plain LCM program hears."""
     found = Witness(module_bus_url)
     yield found
     found.close()
 
 
-def _drives(speed: float) -> bool:
+def _drives(speed):
     return speed == _FAST
 
 
-def _stops(speed: float) -> bool:
+def _stops(speed):
     return speed == 0
 
 
 @pytest.fixture
-def held(serve: Callable[..., tuple[Program, str]], page: Any, witness: Witness) -> Program:
+def held(serve, page, witness):
     """The server of a page that holds the joystick, and drives."""
     server, address = serve("steer", TOPIC)
     page.goto(address)
@@ -93,9 +90,7 @@ def held(serve: Callable[..., tuple[Program, str]], page: Any, witness: Witness)
 
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
-def test_the_robot_is_stopped_that_a_suspended_or_killed_server_drove(
-    held: Program, witness: Witness, number: int
-) -> None:
+def test_the_robot_is_stopped_that_a_suspended_or_killed_server_drove(held, witness, number):
     held.send_signal(number)
     at = time.monotonic()
     try:
@@ -105,7 +100,7 @@ def test_the_robot_is_stopped_that_a_suspended_or_killed_server_drove(
 
 
 @pytest.mark.usefixtures("held")
-def test_a_page_that_is_slow_drives_on(page: Any, witness: Witness) -> None:
+def test_a_page_that_is_slow_drives_on(page, witness):
     at = time.monotonic()
     for _ in range(_BLOCKS):
         page.evaluate("() => { const end = Date.now() + 400; while (Date.now() < end); }")
@@ -120,9 +115,7 @@ def test_a_page_that_is_slow_drives_on(page: Any, witness: Witness) -> None:
 
 
 @pytest.mark.usefixtures("held")
-def test_a_page_that_is_frozen_stops_and_drives_on_when_it_is_back(
-    page: Any, witness: Witness
-) -> None:
+def test_a_page_that_is_frozen_stops_and_drives_on_when_it_is_back(page, witness):
     at = time.monotonic()
     page.evaluate("() => { const end = Date.now() + 2000; while (Date.now() < end); }")
     back = time.monotonic()
@@ -133,9 +126,7 @@ def test_a_page_that_is_frozen_stops_and_drives_on_when_it_is_back(
     witness.first(_stops, since=back)
 
 
-def test_closing_the_panel_stops(
-    serve: Callable[..., tuple[Program, str]], page: Any, witness: Witness
-) -> None:
+def test_closing_the_panel_stops(serve, page, witness):
     page.goto(panel_address(serve()[1], "steer", topic=TOPIC))
     hold_joystick(page)
     witness.first(_drives, since=0)

@@ -1,28 +1,23 @@
 """Numbers as the page writes, reads and collects them."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 
 _TEXTURE = 8192  # [px] that every WebGL 2 has, but for small devices
 TABLE = json.loads((Path(__file__).parents[1] / "fixtures" / "texts.json").read_text())
 
 
 @pytest.fixture
-def run(serve: Callable[..., tuple[Program, str]], page: Any) -> Callable[[str, object], Any]:
+def run(serve, page):
     """``run("...", data)``: what a JavaScript function returns in the page."""
     page.goto(serve("topics")[1])
     return page.evaluate
 
 
 @pytest.mark.parametrize("kind", TABLE)
-def test_numbers_have_the_same_texts_as_in_python(
-    kind: str, run: Callable[[str, object], Any]
-) -> None:
+def test_numbers_have_the_same_texts_as_in_python(kind, run):
     found = run(
         """async ([kind, rows]) => {
           const texts = await import("/texts.js");
@@ -33,9 +28,7 @@ def test_numbers_have_the_same_texts_as_in_python(
     assert found == TABLE[kind]
 
 
-def test_numbers_that_json_lacks_are_read_and_texts_are_kept(
-    run: Callable[[str, object], Any],
-) -> None:
+def test_numbers_that_json_lacks_are_read_and_texts_are_kept(run):
     found = run(
         """async (data) => {
           const { hasPlace, withNumbers } = await import("/panels/world/numbers.js");
@@ -48,9 +41,7 @@ def test_numbers_that_json_lacks_are_read_and_texts_are_kept(
     assert found == ["nan", "Infinity", ["NaN", "1", "-Infinity", "null"], False, True]
 
 
-def test_a_trail_keeps_the_newest_steps_and_begins_anew_where_a_robot_was_put(
-    run: Callable[[str, object], Any],
-) -> None:
+def test_a_trail_keeps_the_newest_steps_and_begins_anew_where_a_robot_was_put(run):
     found = run(
         """async (count) => {
           const { Trail } = await import("/panels/world/trail.js");
@@ -67,9 +58,7 @@ def test_a_trail_keeps_the_newest_steps_and_begins_anew_where_a_robot_was_put(
     assert found == [2500, 15000, pytest.approx(200), pytest.approx(450), 0]
 
 
-def test_a_long_text_in_the_world_is_no_wider_than_a_texture(
-    run: Callable[[str, object], Any],
-) -> None:
+def test_a_long_text_in_the_world_is_no_wider_than_a_texture(run):
     widths = run(
         """async (texts) => {
           const { label } = await import("/panels/world/shapes.js");

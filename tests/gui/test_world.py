@@ -5,17 +5,11 @@ import json
 import math
 import re
 import time
-from collections.abc import Callable, Iterator
 from contextlib import closing
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
-from fixtures.programs import Program
 from PIL import Image
 
-from lcmtools.bus.base import Bus
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
@@ -42,13 +36,7 @@ robots:
 
 
 @pytest.fixture(params=["bullet", "mujoco"])
-def world(
-    request: pytest.FixtureRequest,
-    start: Callable[..., Program],
-    lcmtools_path: str,
-    bus_url: str,
-    tmp_path: Path,
-) -> str:
+def world(request, start, lcmtools_path, bus_url, tmp_path):
     """The address of the window of a simulator with a Husky and a crate."""
     pytest.importorskip({"bullet": "pybullet", "mujoco": "mujoco"}[request.param])
     file = tmp_path / "yard.yaml"
@@ -59,12 +47,12 @@ def world(
     return server.wait_for("http://").split()[-1]
 
 
-def wait_for(page: Any, script: str, value: object = None) -> None:
+def wait_for(page, script, value=None):
     """Wait until a function of the page is true."""
     page.wait_for_function(script, arg=value, timeout=1000 * _LONG)
 
 
-def pose(page: Any, name: str) -> tuple[float, float, float]:
+def pose(page, name):
     """The place and heading of a body as the page's list has them."""
     page.locator(f"[data-pose^='{name} ']").wait_for(state="attached", timeout=1000 * _LONG)
     text = page.locator(f"[data-pose^='{name} ']").get_attribute("data-pose")
@@ -82,11 +70,11 @@ IS_AT = """([name, x, y, near]) => {
 }"""
 
 
-def is_at(page: Any, name: str, x: float, y: float, near: float = 0.1) -> None:
+def is_at(page, name, x, y, near=0.1):
     wait_for(page, IS_AT, [name, x, y, near])
 
 
-def drag(page: Any, start: tuple[float, float], end: tuple[float, float]) -> None:
+def drag(page, start, end):
     page.mouse.move(*start)
     page.mouse.down()
     page.mouse.move((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
@@ -94,7 +82,7 @@ def drag(page: Any, start: tuple[float, float], end: tuple[float, float]) -> Non
     page.mouse.up()
 
 
-def is_where_its_wheels_say(page: Any, url: str) -> None:
+def is_where_its_wheels_say(page, url):
     """Wait until the odometry is shown as it is: wheels slip at a wall. The robot does a step."""
     with closing(messages("/husky0/odometry", url=url, wall_time=True, timeout=_LONG)) as arrivals:
         page.get_by_role("button", name="Step").click()
@@ -105,13 +93,8 @@ def is_where_its_wheels_say(page: Any, url: str) -> None:
 
 
 def test_a_robot_moves_as_the_simulator_says_and_is_paused_and_dragged(
-    world: str,
-    page: Any,
-    bus_url: str,
-    start: Callable[..., Program],
-    lcmtools_path: str,
-    cli: Callable[..., Result],
-) -> None:
+    world, page, bus_url, start, lcmtools_path, cli
+):
     page.goto(world)
     is_at(page, "/husky0", 0, 0)
     is_at(page, "crate", 1.5, -1)
@@ -151,8 +134,8 @@ def test_a_robot_moves_as_the_simulator_says_and_is_paused_and_dragged(
 
 
 def test_the_camera_follows_the_robot_also_on_a_page_that_is_opened_again(
-    world: str, page: Any, bus_url: str, start: Callable[..., Program], lcmtools_path: str
-) -> None:
+    world, page, bus_url, start, lcmtools_path
+):
     page.goto(world)
     is_at(page, "/husky0", 0, 0)
     assert page.get_by_label("Follow").input_value() == "/husky0"
@@ -174,9 +157,7 @@ def test_the_camera_follows_the_robot_also_on_a_page_that_is_opened_again(
         page.locator("[data-pose^='/husky0 ']").wait_for(state="attached")
 
 
-def test_odometry_leaves_a_trail(
-    world: str, page: Any, bus_url: str, start: Callable[..., Program], lcmtools_path: str
-) -> None:
+def test_odometry_leaves_a_trail(world, page, bus_url, start, lcmtools_path):
     shown = {"/husky0/ground_truth": False}
     color = {"/husky0/odometry": "#ff00ff"}
     page.goto(panel_address(world, "world", shown=shown, colors=color))
@@ -198,7 +179,7 @@ def test_odometry_leaves_a_trail(
     assert max(spans) > 0.2 * picture.height  # without it, no more than the arrow is seen
 
 
-def test_a_crate_is_dragged_and_the_robot_stays(world: str, page: Any, bus_url: str) -> None:
+def test_a_crate_is_dragged_and_the_robot_stays(world, page, bus_url):
     page.goto(world)
     is_at(page, "crate", 1.5, -1)
     page.get_by_role("button", name="Move").click()
@@ -221,7 +202,7 @@ def test_a_crate_is_dragged_and_the_robot_stays(world: str, page: Any, bus_url: 
     is_at(page, "/husky0", 0, 0)
 
 
-def test_a_click_sends_a_pose(world: str, page: Any, bus_url: str) -> None:
+def test_a_click_sends_a_pose(world, page, bus_url):
     page.goto(world)
     is_at(page, "/husky0", 0, 0)
     page.get_by_role("button", name="Send pose").click()
@@ -239,31 +220,31 @@ def test_a_click_sends_a_pose(world: str, page: Any, bus_url: str) -> None:
     assert math.hypot(turn.z, turn.w) == pytest.approx(1)
 
 
-def test_without_webgl_the_list_still_has_the_poses(world: str, page: Any) -> None:
+def test_without_webgl_the_list_still_has_the_poses(world, page):
     page.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
     page.goto(world)
     page.get_by_text("This browser has no WebGL").wait_for()
     is_at(page, "/husky0", 0, 0)
 
 
-def status(page: Any, topic: str, text: str) -> None:
+def status(page, topic, text):
     """Wait until a topic's line in the list of displays says something."""
     line = page.locator(".world li", has=page.get_by_text(topic, exact=True))
     line.get_by_text(text).wait_for(timeout=1000 * _LONG)
 
 
-def until(is_true: Callable[[], bool]) -> None:
+def until(is_true):
     """Ask until it is true."""
     deadline = time.monotonic() + _LONG
     while not is_true():
         assert time.monotonic() < deadline
 
 
-def frames_drawn(page: Any) -> int:
+def frames_drawn(page):
     return int(page.locator(".world-stage canvas").get_attribute("data-frames") or 0)
 
 
-def cloud(kind: int, size: int) -> Any:
+def cloud(kind, size):
     """A cloud of two points with x, y and z of a type, and bytes of one point."""
     found = PointCloud2()
     found.header.frame_id, found.width, found.height, found.point_step = "world", 2, 1, size
@@ -275,7 +256,7 @@ def cloud(kind: int, size: int) -> Any:
     return found
 
 
-def with_rgb(found: Any, kind: int) -> Any:
+def with_rgb(found, kind):
     """A cloud of x, y and z as float64, with colours of a type."""
     field = PointField()
     field.name, field.offset, field.datatype, field.count = "rgb", 24, kind, 1
@@ -284,7 +265,7 @@ def with_rgb(found: Any, kind: int) -> Any:
 
 
 @pytest.fixture
-def bus(bus_url: str) -> Iterator[Bus]:
+def bus(bus_url):
     """A program that publishes."""
     opened = open_bus(parse_url(bus_url))
     yield opened
@@ -292,8 +273,8 @@ def bus(bus_url: str) -> Iterator[Bus]:
 
 
 def test_malformed_messages_are_told_and_the_other_displays_go_on(
-    start: Callable[..., Program], lcmtools_path: str, bus_url: str, bus: Bus, page: Any
-) -> None:
+    start, lcmtools_path, bus_url, bus, page
+):
     server = start(lcmtools_path, "gui", "world", "--port", "0", "--no-open", "--lcm-url", bus_url)
     nameless, grid, large = TFMessage(), OccupancyGrid(), OccupancyGrid()
     nameless.transforms.append(TransformStamped())
@@ -335,8 +316,8 @@ def test_malformed_messages_are_told_and_the_other_displays_go_on(
 
 
 def test_a_frame_is_grey_once_its_publisher_is_gone_though_others_use_its_topic(
-    start: Callable[..., Program], lcmtools_path: str, bus_url: str, bus: Bus, page: Any
-) -> None:
+    start, lcmtools_path, bus_url, bus, page
+):
     server = start(lcmtools_path, "gui", "world", "--port", "0", "--no-open", "--lcm-url", bus_url)
     camera = {"position": [0, -4, 2], "target": [0, 0, 0.5]}
     page.goto(panel_address(server.wait_for("http://").split()[-1], "world", camera=camera))
@@ -348,7 +329,7 @@ def test_a_frame_is_grey_once_its_publisher_is_gone_though_others_use_its_topic(
         one.header.frame_id, one.child_frame_id, one.transform.rotation.w = "world", name, 1.0
         message.transforms.append(one)
 
-    def red() -> float:
+    def red():
         """How red the middle of the view is, while the transforms are sent."""
         bus.publish("/tf", encode(message))
         shot = page.locator(".world-stage canvas").screenshot()
@@ -365,8 +346,8 @@ def test_a_frame_is_grey_once_its_publisher_is_gone_though_others_use_its_topic(
 
 
 def test_what_is_old_says_so_from_the_first_picture_on_and_nothing_is_drawn_while_nothing_moves(
-    start: Callable[..., Program], lcmtools_path: str, bus_url: str, page: Any, browser: Any
-) -> None:
+    start, lcmtools_path, bus_url, page, browser
+):
     simulator = start(lcmtools_path, "run", "sim", "husky", "--lcm-url", bus_url)
     simulator.wait_for("simulating")
     server = start(lcmtools_path, "gui", "world", "--port", "0", "--no-open", "--lcm-url", bus_url)

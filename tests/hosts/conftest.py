@@ -5,16 +5,13 @@ They are computers to all programs: nothing leaves them, and nothing of them is 
 
 import importlib.util
 import sys
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 import pytest
 
 
-def _network() -> ModuleType:
+def _network():
     """network.py beside this file, which is in no package."""
     name = "lcmtools_tests_network"
     if name not in sys.modules:
@@ -27,13 +24,11 @@ def _network() -> ModuleType:
 
 
 @pytest.fixture
-def network(
-    start: Callable[..., Any], lcmtools_process: Callable[..., Any], tmp_path: Path
-) -> Iterator[Callable[..., Any]]:
+def network(start, lcmtools_process, tmp_path):
     """``network("ada", "bob")``: hosts of these names around a switch (network.py, Network)."""
     with ExitStack() as closing:
 
-        def make(*names: str) -> Any:
+        def make(*names):
             made = _network().network(names, tmp_path, (start, lcmtools_process))
             return closing.enter_context(made)
 
@@ -41,17 +36,13 @@ def network(
 
 
 @pytest.fixture
-def pair(network: Callable[..., Any]) -> Any:
+def pair(network):
     """The hosts ada and bob."""
     return network("ada", "bob").hosts
 
 
 @pytest.fixture(scope="module")
-def module_pair(
-    module_start: Callable[..., Any],
-    lcmtools_process: Callable[..., Any],
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Iterator[Any]:
+def module_pair(module_start, lcmtools_process, tmp_path_factory):
     """The hosts ada and bob, which the tests of a module share."""
     folder = tmp_path_factory.mktemp("hosts")
     with _network().network(("ada", "bob"), folder, (module_start, lcmtools_process)) as net:
@@ -59,7 +50,7 @@ def module_pair(
 
 
 @pytest.fixture(scope="session")
-def plain() -> str:
+def plain():
     """A plain LCM program: CHANNEL BYTES PERIOD; it sends messages of no known type."""
     return (
         "import lcm, sys, time\n"

@@ -19,13 +19,13 @@ QUEUE = 0.5  # [s]
 class Way:
     """One direction of the line."""
 
-    def __init__(self, to: socket.socket, delay: float, every: int, rate: float) -> None:
+    def __init__(self, to, delay, every, rate):
         self._to, self._delay, self._every, self._rate = to, delay, every, rate
-        self._waiting: deque[tuple[float, bytes]] = deque()
+        self._waiting = deque()
         self._free = 0.0  # time from which the next frame may leave
         self._frames = 0
 
-    def add(self, frame: bytes, now: float) -> None:
+    def add(self, frame, now):
         """Take a frame."""
         self._frames += 1
         start = max(now, self._free)
@@ -34,21 +34,21 @@ class Way:
         self._free = start + len(frame) / self._rate
         self._waiting.append((self._free + self._delay, frame))
 
-    def send(self, now: float) -> float:
+    def send(self, now):
         """Send what is due; return the time until the next frame is."""
         while self._waiting and self._waiting[0][0] <= now:
             self._to.send(self._waiting.popleft()[1])
         return self._waiting[0][0] - now if self._waiting else 1.0
 
 
-def main(one: str, other: str, delay_ms: str, every: str, rate: str) -> None:
+def main(one, other, delay_ms, every, rate):
     """Forward until killed."""
     sockets = [_open(one), _open(other)]
     settings = float(delay_ms) / 1e3, int(every), float(rate)
     ways = {a: Way(b, *settings) for a, b in zip(sockets, reversed(sockets), strict=True)}
-    cuts: list[bool] = []
+    cuts = []
 
-    def toggle(*_: object) -> None:
+    def toggle(*_):
         cuts.clear() if cuts else cuts.append(True)
         _say(f"{'is cut' if cuts else 'is mended'} at {time.monotonic():.3f}")
 
@@ -63,12 +63,12 @@ def main(one: str, other: str, delay_ms: str, every: str, rate: str) -> None:
         left = min(way.send(time.monotonic()) for way in ways.values())
 
 
-def _say(text: str) -> None:
+def _say(text):
     sys.stdout.write(f"{text}\n")
     sys.stdout.flush()
 
 
-def _open(interface: str) -> socket.socket:
+def _open(interface):
     raw = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
     raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
     raw.bind((interface, 0))

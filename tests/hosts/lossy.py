@@ -14,11 +14,11 @@ MULTICAST_UDP = 17
 FIRST_PIECE = 0x1FFF  # the offset of an IP fragment
 
 
-def main(one: str, other: str, every: int, loses: str = "") -> None:
+def main(one, other, every, loses=""):
     """Forward until killed."""
     sockets = [_open(one), _open(other)]
     opposite = dict(zip(sockets, reversed(sockets), strict=True))
-    numbers: Counter[bytes] = Counter()
+    numbers = Counter()
     sys.stdout.write("forwards\n")
     sys.stdout.flush()
     while True:
@@ -31,14 +31,14 @@ def main(one: str, other: str, every: int, loses: str = "") -> None:
             opposite[ready].send(_without_checksum(frame))
 
 
-def _open(interface: str) -> socket.socket:
+def _open(interface):
     raw = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
     raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
     raw.bind((interface, 0))
     return raw
 
 
-def _is_lost(frame: bytes, numbers: Counter[bytes], every: int) -> bool:
+def _is_lost(frame, numbers, every):
     """Return whether it is the first piece of a datagram to be lost: the others are no use then.
 
     The count is each sender's own: source address and source port.
@@ -50,7 +50,7 @@ def _is_lost(frame: bytes, numbers: Counter[bytes], every: int) -> bool:
     return numbers[sender] % every == 1
 
 
-def _is_udp(frame: bytes) -> bool:
+def _is_udp(frame):
     """Return whether a UDP header follows an IPv4 header without options."""
     return (
         frame[12:15] == b"\x08\x00\x45"
@@ -59,7 +59,7 @@ def _is_udp(frame: bytes) -> bool:
     )
 
 
-def _without_checksum(frame: bytes) -> bytes:
+def _without_checksum(frame):
     """The frame with 0 as UDP's checksum, "none": between virtual interfaces it is not made."""
     return frame[:40] + b"\0\0" + frame[42:] if _is_udp(frame) else frame
 

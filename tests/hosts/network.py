@@ -15,11 +15,9 @@ import socket
 import struct
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -55,7 +53,7 @@ class Computer:
         pid: A process that is in its network, in the numbers of the tests' process.
     """
 
-    def __init__(self, name: str, start: Callable[..., Any]) -> None:
+    def __init__(self, name, start):
         self.name = name
         self._start = start
         keeper = start(*_KEEPER, "sh", "-c", _WAKE.format(name=name))
@@ -64,23 +62,23 @@ class Computer:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
         self.call(_enter, self.pid)
 
-    def start(self, *command: str, **environment: str) -> Any:
+    def start(self, *command, **environment):
         """A program there (``Program``), which is ended with the test."""
         return self._start(*command, popen=self._popen, **environment)
 
-    def call(self, function: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+    def call(self, function, *arguments, **named):
         """The result of a function there; the processes that it starts stay there."""
         return self._thread.submit(function, *arguments, **named).result()
 
-    def ip(self, *arguments: str) -> None:
+    def ip(self, *arguments):
         """Change its network: ``ip("link", "set", "eth0", "down")``."""
         self.call(subprocess.run, [shutil.which("ip") or "ip", *arguments], check=True)
 
-    def close(self) -> None:
+    def close(self):
         """Leave its namespaces."""
         self._thread.shutdown()
 
-    def _popen(self, *arguments: Any, **named: Any) -> Any:
+    def _popen(self, *arguments, **named):
         return self.call(subprocess.Popen, *arguments, **named)
 
 
@@ -94,9 +92,7 @@ class Host(Computer):
         runs: The fixtures ``start`` (or ``module_start``) and ``lcmtools``.
     """
 
-    def __init__(
-        self, name: str, address: str, folder: Path, runs: tuple[Callable[..., Any], ...]
-    ) -> None:
+    def __init__(self, name, address, folder, runs):
         start, self._lcmtools = runs
         super().__init__(name, start)
         self.address = address
@@ -109,33 +105,31 @@ class Host(Computer):
         }
         (folder / "run").mkdir(parents=True)
 
-    def start(self, *command: str, **environment: str) -> Any:
+    def start(self, *command, **environment):
         """A program there (``Program``), which is ended with the test."""
         return super().start(*command, **{**self.environment, **environment})
 
-    def python(self, source: str, *arguments: str, **environment: str) -> Any:
+    def python(self, source, *arguments, **environment):
         """The same for a script's text."""
         return self.start(sys.executable, "-c", source, *arguments, **environment)
 
-    def lcmtools(self, *arguments: str, **named: Any) -> subprocess.CompletedProcess[str]:
+    def lcmtools(self, *arguments, **named):
         """Run the command there to its end."""
-        done: subprocess.CompletedProcess[str] = self.call(
-            self._lcmtools, *arguments, **{**self.environment, **named}
-        )
+        done = self.call(self._lcmtools, *arguments, **{**self.environment, **named})
         return done
 
-    def out(self, *arguments: str, **named: Any) -> str:
+    def out(self, *arguments, **named):
         """The output of the command there; it has to succeed."""
         done = self.lcmtools(*arguments, **named)
         assert done.returncode == 0, (done.stdout, done.stderr)
         return done.stdout
 
-    def next_pid(self, pid: int) -> None:
+    def next_pid(self, pid):
         """Let the next process get this number there."""
         write = f"echo {pid - 1} >/proc/sys/kernel/ns_last_pid"
         self.call(subprocess.run, ["sh", "-c", write], check=True)
 
-    def ports(self, first: int, last: int) -> None:
+    def ports(self, first, last):
         """From which range programs get the ports that they send from."""
         path = Path("/proc/sys/net/ipv4/ip_local_port_range")
         self.call(path.write_text, f"{first} {last}")
@@ -149,17 +143,17 @@ class Network:
         switch: The computer that the switch is.
     """
 
-    def __init__(self, hosts: Sequence[Host], switch: Computer) -> None:
+    def __init__(self, hosts, switch):
         self.hosts = hosts
         self._switch = switch
-        self._lossy: Any = None
+        self._lossy = None
         switch.ip("link", "add", "bridge", "type", "bridge", "mcast_snooping", "0")
         switch.ip("link", "set", "bridge", "up")
         for host in hosts:
             self.connect(host, "eth0", host.address)
             host.ip("route", "add", "224.0.0.0/4", "dev", "eth0")
 
-    def connect(self, host: Host, interface: str, address: str) -> None:
+    def connect(self, host, interface, address):
         """Lead a cable from one more interface of a host to the switch."""
         port = _port(host, interface)
         peer = ("peer", "name", interface, "netns", str(host.pid))
@@ -169,15 +163,15 @@ class Network:
         host.ip("address", "add", f"{address}/24", "dev", interface)
         host.ip("link", "set", interface, "up")
 
-    def unplug(self, host: Host) -> None:
+    def unplug(self, host):
         """Cut a host off; it notices no more than that of a pulled cable."""
         self._switch.ip("link", "set", _port(host), "down")
 
-    def plug(self, host: Host) -> None:
+    def plug(self, host):
         """Connect it again."""
         self._switch.ip("link", "set", _port(host), "up")
 
-    def lose(self, every: int, of: Host | None = None) -> None:
+    def lose(self, every, of=None):
         """Lose one in so many messages of each sender on the way between the first two hosts.
 
         Of both, or of one host only.
@@ -189,7 +183,7 @@ class Network:
         self._lossy = self._switch.start(sys.executable, str(_LOSSY), *ports, str(every), *only)
         self._lossy.wait_for("forwards")
 
-    def stretch(self, host: Host, delay_ms: float, every: int, rate: float) -> Any:
+    def stretch(self, host, delay_ms, every, rate):
         """Let a host's cable be a long line (line.py), whose program is returned."""
         port = _port(host)
         host.call(_without_offload, "eth0")
@@ -205,7 +199,7 @@ class Network:
         line.wait_for("forwards")
         return line
 
-    def mend(self) -> None:
+    def mend(self):
         """Lose nothing any more."""
         if self._lossy:
             self._lossy.send_signal(signal.SIGKILL)
@@ -216,7 +210,7 @@ class Network:
 
 
 @contextmanager
-def network(names: Sequence[str], folder: Path, runs: tuple[Any, Any]) -> Iterator[Network]:
+def network(names, folder, runs):
     """Hosts of these names, 10.76.0.1 and so on, joined by a switch; all end with the block."""
     _check_permission()
     with ExitStack() as closing:
@@ -230,7 +224,7 @@ def network(names: Sequence[str], folder: Path, runs: tuple[Any, Any]) -> Iterat
         yield Network(hosts, switch)
 
 
-def _check_permission() -> None:
+def _check_permission():
     """Skip the test, saying why, where there can be no such hosts."""
     if missing := [tool for tool in _TOOLS if shutil.which(tool) is None]:
         pytest.skip(f"hosts are made with {' and '.join(missing)}, which is missing here")
@@ -241,13 +235,13 @@ def _check_permission() -> None:
         pytest.skip(f"hosts of namespaces are not possible here ({reason}); run the tests as root")
 
 
-def _port(host: Host, interface: str = "eth0") -> str:
+def _port(host, interface="eth0"):
     """The name of the switch's end of a cable: names of interfaces have 15 characters at most."""
     number = host.address.rpartition(".")[2]
     return f"port{number}{re.sub('[^0-9]', '-', interface)[-2:]}"
 
 
-def _without_offload(interface: str) -> None:
+def _without_offload(interface):
     """Let an interface send frames as they are on a cable: small, and with checksums."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
         for command in _OFFLOADS:
@@ -257,7 +251,7 @@ def _without_offload(interface: str) -> None:
                 fcntl.ioctl(control, _SIOCETHTOOL, request)
 
 
-def _enter(pid: int) -> None:
+def _enter(pid):
     """Take this thread into the namespaces of a process."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(_CLONE_FS) != 0:  # else the other threads would have to come along

@@ -1,8 +1,6 @@
 """Computers of the same name, one with two interfaces, and a simulator across the network."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -16,9 +14,7 @@ while True:
 """
 
 
-def test_computers_of_one_name_are_told_apart_by_address(
-    network: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_computers_of_one_name_are_told_apart_by_address(network, lcmtools_path):
     one, other, bob = network("robot", "robot", "bob").hosts
     talkers = []
     for host in (one, other):
@@ -49,9 +45,7 @@ def test_computers_of_one_name_are_told_apart_by_address(
     assert one.out("node", "list") == "/talker\n"
 
 
-def test_a_listener_on_the_wrong_interface_is_named(
-    network: Callable[..., Any],
-) -> None:
+def test_a_listener_on_the_wrong_interface_is_named(network):
     net = network("ada", "bob")
     _, bob = net.hosts
     net.connect(bob, "eth1", "10.77.0.2")
@@ -65,9 +59,7 @@ def test_a_listener_on_the_wrong_interface_is_named(
     assert any("eth1" in item for item in finding["items"])
 
 
-def test_a_controller_on_one_computer_drives_the_robot_on_another(
-    pair: Any, lcmtools_path: str
-) -> None:
+def test_a_controller_on_one_computer_drives_the_robot_on_another(pair, lcmtools_path):
     pytest.importorskip("pybullet")
     ada, bob = pair
     ada.start(lcmtools_path, "run", "sim", "husky")

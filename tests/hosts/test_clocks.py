@@ -1,9 +1,6 @@
 """Computers whose clocks differ: what is told of the other one's nodes is right all the same."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -43,17 +40,17 @@ while True:
 
 
 @pytest.fixture
-def shift(tmp_path: Path) -> dict[str, str]:
+def shift(tmp_path):
     """The environment of a program whose clock is ahead by CLOCK_SHIFT seconds."""
     (tmp_path / "sitecustomize.py").write_text(_SHIFT)
     return {"PYTHONPATH": str(tmp_path)}
 
 
 @pytest.fixture
-def shifted(pair: Any, shift: dict[str, str]) -> Callable[[float], Any]:
+def shifted(pair, shift):
     """``shifted(100)``: a node on ada, whose clock is ahead by so many seconds; bob."""
 
-    def run(seconds: float) -> Any:
+    def run(seconds):
         ada, bob = pair
         node = ada.python(_STAMPED, **shift, CLOCK_SHIFT=str(seconds))
         node.wait_for("sends")
@@ -63,9 +60,7 @@ def shifted(pair: Any, shift: dict[str, str]) -> Callable[[float], Any]:
 
 
 @pytest.mark.parametrize("ahead", [100.0, -100.0])
-def test_times_of_the_other_computer_are_read_by_its_clock(
-    shifted: Callable[[float], Any], ahead: float
-) -> None:
+def test_times_of_the_other_computer_are_read_by_its_clock(shifted, ahead):
     bob = shifted(ahead)
     measured = json.loads(bob.out("delay", "/odometry", "-n", "1", "--json").splitlines()[0])
     assert measured["delay"] == pytest.approx(-ahead, abs=1.0)
@@ -78,9 +73,7 @@ def test_times_of_the_other_computer_are_read_by_its_clock(
 
 
 @pytest.mark.parametrize(("ahead", "how"), [(100.0, "ahead of"), (-100.0, "behind")])
-def test_wtf_names_the_clock_and_calls_nobody_stale_or_silent(
-    shifted: Callable[[float], Any], ahead: float, how: str
-) -> None:
+def test_wtf_names_the_clock_and_calls_nobody_stale_or_silent(shifted, ahead, how):
     bob = shifted(ahead)
     found = {
         one["rule"]: one
@@ -92,7 +85,7 @@ def test_wtf_names_the_clock_and_calls_nobody_stale_or_silent(
     assert not set(found) & {"stale-nodes", "silent", "slow-rate"}
 
 
-def test_stamps_of_a_plain_program_show_its_clock(pair: Any, shift: dict[str, str]) -> None:
+def test_stamps_of_a_plain_program_show_its_clock(pair, shift):
     ada, bob = pair
     ada.python(_PLAIN, **shift, CLOCK_SHIFT="100").wait_for("sends")
     found = json.loads(bob.lcmtools("wtf", "--json", "--wait", "0.7s").stdout)
@@ -100,9 +93,7 @@ def test_stamps_of_a_plain_program_show_its_clock(pair: Any, shift: dict[str, st
     assert "10.76.0.1:" in finding["items"][0]
 
 
-def test_wtf_names_the_clock_of_a_computer_behind_relays(
-    pair: Any, shift: dict[str, str], lcmtools_path: str
-) -> None:
+def test_wtf_names_the_clock_of_a_computer_behind_relays(pair, shift, lcmtools_path):
     """One that is ahead: the stamps of ada's kernel are not shifted, and its relay uses both."""
     ada, bob = pair
     apart = "udpm://239.255.76.67:7668?ttl=0"

@@ -2,8 +2,6 @@
 
 import json
 import signal
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -20,10 +18,10 @@ _STALE = "no longer announces itself"
 
 
 @pytest.fixture
-def looking(lcmtools_path: str) -> Callable[..., Any]:
+def looking(lcmtools_path):
     """``looking(host, "wtf", ...)``: a command that has heard of the talker, and still looks."""
 
-    def run(host: Any, *command: str) -> Any:
+    def run(host, *command):
         watcher = host.python(_WATCHER)
         watcher.wait_for("listens")
         started = host.start(lcmtools_path, *command)
@@ -36,8 +34,8 @@ def looking(lcmtools_path: str) -> Callable[..., Any]:
 
 
 def test_a_node_behind_a_pulled_cable_is_stale_until_it_is_plugged_in_again(
-    network: Callable[..., Any], looking: Callable[..., Any], lcmtools_path: str
-) -> None:
+    network, looking, lcmtools_path
+):
     net = network("ada", "bob")
     ada, bob = net.hosts
     talker = ada.start(lcmtools_path, "run", "talker")
@@ -64,9 +62,7 @@ def test_a_node_behind_a_pulled_cable_is_stale_until_it_is_plugged_in_again(
         assert "Traceback" not in program.output
 
 
-def test_wtf_names_a_node_that_is_killed_elsewhere_while_it_looks(
-    pair: Any, looking: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_wtf_names_a_node_that_is_killed_elsewhere_while_it_looks(pair, looking, lcmtools_path):
     ada, bob = pair
     talker = ada.start(lcmtools_path, "run", "talker")
     talker.wait_for("hello")
@@ -82,9 +78,7 @@ def test_wtf_names_a_node_that_is_killed_elsewhere_while_it_looks(
     assert finding["items"][0].endswith("ended without saying goodbye")
 
 
-def test_a_node_that_says_goodbye_is_gone_for_who_looks_elsewhere(
-    pair: Any, looking: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_node_that_says_goodbye_is_gone_for_who_looks_elsewhere(pair, looking, lcmtools_path):
     ada, bob = pair
     talker = ada.start(lcmtools_path, "run", "talker")
     talker.wait_for("hello")

@@ -4,9 +4,8 @@ import json
 import re
 import signal
 import time
-from collections.abc import Callable
 from statistics import median
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
@@ -63,7 +62,7 @@ class _Flow(NamedTuple):
     bytes_per_second: float
 
 
-def _flow(arrived: list[list[float]], sent: int) -> _Flow:
+def _flow(arrived, sent):
     ages = [age for _, age, _ in arrived] or [99.0]
     size = sum(size for _, age, size in arrived if age < 2)
     return _Flow(len(arrived) / sent, median(ages), max(ages), size / _SECONDS)
@@ -72,7 +71,7 @@ def _flow(arrived: list[list[float]], sent: int) -> _Flow:
 class _FullLine:
     """A robot and an office, with relays on both and a line of so many bytes a second."""
 
-    def __init__(self, network: Any, lcmtools_path: str, meeting: str, rate: float) -> None:
+    def __init__(self, network, lcmtools_path, meeting, rate):
         self.robot, self.office = network.hosts
         network.stretch(self.robot, 10.0, 1_000_000, rate)
         self._path = lcmtools_path
@@ -85,14 +84,14 @@ class _FullLine:
         self._buses = {self.office: (_OFFICE, here), self.robot: (_ROBOT, there)}
         self.relays = {host: self.relay(host) for host in self._buses}
 
-    def relay(self, host: Any, *options: str) -> Any:
+    def relay(self, host, *options):
         """Start the relay of a host."""
         allowed = ("--allow", "**", "--allow", "/cmd_vel", *options)
         relay = host.start(self._path, "relay", *self._buses[host], *allowed)
         relay.wait_for("carries messages")
         return relay
 
-    def losses(self) -> list[str]:
+    def losses(self):
         """Return what ``wtf`` says of full lines on each of the hosts; nothing else is a fault."""
         found = []
         for host, (bus, _) in self._buses.items():
@@ -102,7 +101,7 @@ class _FullLine:
             found += [json.dumps(fault) for fault in faults.values()]
         return found
 
-    def run(self, size: int, period: float, *, back: bool = False) -> tuple[_Flow, _Flow]:
+    def run(self, size, period, *, back=False):
         """Send commands and images from the robot, or back to it; return what arrived of them."""
         ends = [(self.robot, _ROBOT), (self.office, _OFFICE)]
         (one, bus), (other, far) = reversed(ends) if back else ends
@@ -120,14 +119,7 @@ class _FullLine:
     ("size", "period", "way"),
     [(20_000, 1 / 30, "out"), (100_000, 1 / 6, "out"), (100_000, 1 / 6, "back")],
 )
-def test_commands_pass_a_full_line_in_time(
-    network: Callable[..., Any],
-    lcmtools_path: str,
-    meeting: str,
-    size: int,
-    period: float,
-    way: str,
-) -> None:
+def test_commands_pass_a_full_line_in_time(network, lcmtools_path, meeting, size, period, way):
     line = _FullLine(network("robot", "office"), lcmtools_path, meeting, _MEGABIT)
     commands, images = line.run(size, period, back=way == "back")
     print(meeting, size, way, commands, images)  # noqa: T201 - the figures, where it fails
@@ -138,9 +130,7 @@ def test_commands_pass_a_full_line_in_time(
 
 
 @pytest.mark.parametrize("meeting", ["tcpq", "zenoh"])
-def test_nothing_is_lost_on_a_line_that_takes_all(
-    network: Callable[..., Any], lcmtools_path: str, meeting: str
-) -> None:
+def test_nothing_is_lost_on_a_line_that_takes_all(network, lcmtools_path, meeting):
     line = _FullLine(network("robot", "office"), lcmtools_path, meeting, 10 * _MEGABIT)
     commands, images = line.run(20_000, 1 / 30)
     print(meeting, commands, images)  # noqa: T201 - the figures, where it fails
@@ -151,8 +141,8 @@ def test_nothing_is_lost_on_a_line_that_takes_all(
 @pytest.mark.parametrize("meeting", ["tcpq", "zenoh"])
 @pytest.mark.parametrize("way", ["out", "back"])
 def test_wtf_names_a_full_line_on_both_sides_and_the_rate_that_it_takes(
-    network: Callable[..., Any], lcmtools_path: str, meeting: str, way: str
-) -> None:
+    network, lcmtools_path, meeting, way
+):
     line = _FullLine(network("robot", "office"), lcmtools_path, meeting, _MEGABIT)
     for host, bus in ((line.robot, _ROBOT), (line.office, _OFFICE)):  # its clocks are compared
         node = ("run", "talker", f"__name:=at_{host.name}", f"chatter:=/of_{host.name}")

@@ -2,8 +2,6 @@
 
 import json
 import re
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -42,18 +40,18 @@ lcmtools.spin(node)
 class _Nodes:
     """A robot and an office, and a line of so many bytes a second."""
 
-    def __init__(self, network: Any, rate: float, pause: float = 0.0) -> None:
+    def __init__(self, network, rate, pause=0.0):
         self.hosts = self.robot, self.office = network.hosts
         network.stretch(self.robot, 10.0, 1_000_000, rate)
         self.office.python(_OFFICE, str(pause), LCM_DEFAULT_URL=_URL).wait_for("listens")
 
-    def publish(self, size: int, rate: float) -> Any:
+    def publish(self, size, rate):
         """Start the robot's node."""
         node = self.robot.python(_ROBOT, str(size), str(rate), LCM_DEFAULT_URL=_URL)
         node.wait_for("sends")
         return node
 
-    def full_lines(self) -> list[str]:
+    def full_lines(self):
         """Return what ``wtf`` says of a full line on each of the hosts that sees one."""
         words = ("wtf", "--rule", "full-line", "--json")
         shown = [host.lcmtools(*words, LCM_DEFAULT_URL=_URL) for host in self.hosts]
@@ -62,13 +60,11 @@ class _Nodes:
 
 
 @pytest.mark.parametrize("size", [20_000, 100_000])
-def test_wtf_names_a_line_that_a_node_fills_on_both_sides(
-    network: Callable[..., Any], size: int, wait_until: Callable[..., None]
-) -> None:
+def test_wtf_names_a_line_that_a_node_fills_on_both_sides(network, size, wait_until):
     nodes = _Nodes(network("robot", "office"), _MEGABIT)
     robot, texts = nodes.publish(size, 30), []
 
-    def is_named_on_both() -> bool:
+    def is_named_on_both():
         texts[:] = nodes.full_lines()
         return len(texts) == 2
 
@@ -83,9 +79,7 @@ def test_wtf_names_a_line_that_a_node_fills_on_both_sides(
     wait_until(lambda: nodes.full_lines() == [])
 
 
-def test_a_line_that_takes_all_and_a_slow_callback_are_no_full_line(
-    network: Callable[..., Any],
-) -> None:
+def test_a_line_that_takes_all_and_a_slow_callback_are_no_full_line(network):
     nodes = _Nodes(network("robot", "office"), 10 * _MEGABIT, pause=0.5)
     nodes.publish(20_000, 30)
     for _ in range(3):

@@ -3,8 +3,6 @@
 import json
 import re
 import signal
-from collections.abc import Callable
-from typing import Any
 
 _SLOW = """
 import time, lcmtools
@@ -28,20 +26,18 @@ while True:
 _WHERE = ("loss", "kernel-drops", "stuck-listeners", "queue-drops", "reassembly", "small-buffer")
 
 
-def _losses(host: Any) -> dict[str, list[str]]:
+def _losses(host):
     """The findings of wtf on loss there: the rules with their items."""
     found = json.loads(host.lcmtools("wtf", "--json", "--wait", "0.7s").stdout)
     return {one["rule"]: one["items"] for one in found if one["rule"] in _WHERE}
 
 
-def _is_a_tenth(lost: int, of: int) -> bool:
+def _is_a_tenth(lost, of):
     """Return whether one in ten messages was lost, which depends on where counting began."""
     return lost > 0 and of // 10 - 1 <= lost <= of // 10 + 1
 
 
-def test_loss_on_the_network_is_told_of_each_sender_where_it_shows(
-    network: Callable[..., Any], plain: str
-) -> None:
+def test_loss_on_the_network_is_told_of_each_sender_where_it_shows(network, plain):
     net = network("ada", "bob")
     ada, bob = net.hosts
     ada.python(plain, "PLAIN", "8", "0.005").wait_for("sends")
@@ -69,9 +65,7 @@ def test_loss_on_the_network_is_told_of_each_sender_where_it_shows(
     assert _losses(bob) == {}
 
 
-def test_nodes_are_found_although_messages_get_lost(
-    network: Callable[..., Any], lcmtools_path: str, wait_until: Callable[..., None]
-) -> None:
+def test_nodes_are_found_although_messages_get_lost(network, lcmtools_path, wait_until):
     """A question to the nodes, or an answer, may be lost: here each second one."""
     net = network("ada", "bob")
     ada, bob = net.hosts
@@ -84,9 +78,7 @@ def test_nodes_are_found_although_messages_get_lost(
         net.mend()
 
 
-def test_a_full_buffer_of_the_kernel_is_not_the_network(
-    pair: Any, plain: str, lcm_program: Callable[[str], str], wait_until: Callable[..., None]
-) -> None:
+def test_a_full_buffer_of_the_kernel_is_not_the_network(pair, plain, lcm_program, wait_until):
     ada, bob = pair
     sink = bob.start(lcm_program("lcm-sink"))
     ada.python(plain, "FLOW", "20000", "0.005").wait_for("sends")
@@ -100,9 +92,7 @@ def test_a_full_buffer_of_the_kernel_is_not_the_network(
     wait_until(lambda: _losses(bob) == {})  # on a busy computer 50 ms of room may still be too few
 
 
-def test_a_full_queue_of_a_node_is_neither_network_nor_kernel(
-    pair: Any, wait_until: Callable[..., None]
-) -> None:
+def test_a_full_queue_of_a_node_is_neither_network_nor_kernel(pair, wait_until):
     ada, bob = pair
     slow = bob.python(_SLOW)
     slow.wait_for("listens")

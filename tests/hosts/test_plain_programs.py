@@ -1,8 +1,6 @@
 """Programs that have never heard of lcmtools, on another computer; and large messages."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
@@ -41,7 +39,7 @@ while True:
 """
 
 
-def test_a_publisher_elsewhere_is_known_by_its_address(pair: Any, plain: str) -> None:
+def test_a_publisher_elsewhere_is_known_by_its_address(pair, plain):
     ada, bob = pair
     ada.python(plain, "PLAIN", "8", "0.02").wait_for("sends")
     assert bob.out("list", "--host") == "Host [10.76.0.1]:\n  PLAIN\n"
@@ -60,7 +58,7 @@ def test_a_publisher_elsewhere_is_known_by_its_address(pair: Any, plain: str) ->
     assert local["pid"]
 
 
-def test_a_publisher_elsewhere_that_is_slow_is_waited_for(pair: Any, plain: str) -> None:
+def test_a_publisher_elsewhere_that_is_slow_is_waited_for(pair, plain):
     ada, bob = pair
     ada.python(plain, "SLOW", "8", "0.8").wait_for("sends")
     for _ in range(2):
@@ -70,9 +68,7 @@ def test_a_publisher_elsewhere_that_is_slow_is_waited_for(pair: Any, plain: str)
         assert program["address"] == "10.76.0.1"
 
 
-def test_a_relay_hears_programs_elsewhere_that_have_its_ports(
-    pair: Any, lcmtools_path: str
-) -> None:
+def test_a_relay_hears_programs_elsewhere_that_have_its_ports(pair, lcmtools_path):
     ada, bob = pair
     far = "udpm://239.255.76.67:7668?ttl=0"
     ada.ports(45_000, 45_003)
@@ -84,9 +80,7 @@ def test_a_relay_hears_programs_elsewhere_that_have_its_ports(
         assert ada.out("echo", f"FROM_{port}", "-1", "--raw", LCM_DEFAULT_URL=far)
 
 
-def test_clients_of_a_server_are_known_by_their_computers(
-    pair: Any, plain: str, lcmtools_path: str
-) -> None:
+def test_clients_of_a_server_are_known_by_their_computers(pair, plain, lcmtools_path):
     ada, bob = pair
     ada.start(lcmtools_path, "relay", "--serve", "tcpq://0.0.0.0:7700").wait_for("serves")
     url = f"tcpq://{ada.address}:7700"
@@ -100,7 +94,7 @@ def test_clients_of_a_server_are_known_by_their_computers(
     assert found == {"ada": "OF_ADA", "bob": "OF_BOB"}  # as the node there is named
 
 
-def test_the_same_pid_and_port_on_both_are_not_taken_for_one(pair: Any, plain: str) -> None:
+def test_the_same_pid_and_port_on_both_are_not_taken_for_one(pair, plain):
     ada, bob = pair
     for host, channel in ((ada, "OF_ADA"), (bob, "OF_BOB")):
         host.ports(45_000, 45_000)
@@ -114,9 +108,7 @@ def test_the_same_pid_and_port_on_both_are_not_taken_for_one(pair: Any, plain: s
         assert "(pid " not in host.out("info", other)
 
 
-def test_a_node_elsewhere_hides_no_program_with_its_pid(
-    pair: Any, plain: str, lcmtools_path: str
-) -> None:
+def test_a_node_elsewhere_hides_no_program_with_its_pid(pair, plain, lcmtools_path):
     ada, bob = pair
     ada.next_pid(700)
     ada.start(lcmtools_path, "run", "talker").wait_for("hello")
@@ -132,7 +124,7 @@ def test_a_node_elsewhere_hides_no_program_with_its_pid(
 
 
 @pytest.mark.parametrize("size", [200_000, 1_000_000])
-def test_large_messages_of_nodes_cross_in_both_directions(pair: Any, size: int) -> None:
+def test_large_messages_of_nodes_cross_in_both_directions(pair, size):
     for sender, receiver in (pair, reversed(pair)):
         node = sender.python(_NODE, str(size))
         shown = receiver.out("echo", "/large", "-n", "2", "--raw", "--json")
@@ -145,9 +137,7 @@ def test_large_messages_of_nodes_cross_in_both_directions(pair: Any, size: int) 
     ("size", "url"),
     [(150_000, "?ttl=1"), (1_000_000, "?ttl=1&recv_buf_size=4000000")],
 )
-def test_large_messages_of_plain_programs_cross(
-    pair: Any, plain: str, size: int, url: str, wait_until: Callable[..., None]
-) -> None:
+def test_large_messages_of_plain_programs_cross(pair, plain, size, url, wait_until):
     ada, bob = pair
     listener = bob.python(_SUBSCRIBER, LCM_DEFAULT_URL=f"udpm://239.255.76.67:7667{url}")
     listener.wait_for("listens")
@@ -158,13 +148,7 @@ def test_large_messages_of_plain_programs_cross(
     assert seen["bytes"] == seen["messages"] * (size + 8)
 
 
-def test_a_log_of_the_other_computer_is_complete(
-    pair: Any,
-    plain: str,
-    lcm_program: Callable[[str], str],
-    tmp_path: Any,
-    wait_until: Callable[..., None],
-) -> None:
+def test_a_log_of_the_other_computer_is_complete(pair, plain, lcm_program, tmp_path, wait_until):
     ada, bob = pair
     log = tmp_path / "log"
     logger = bob.start(lcm_program("lcm-logger"), "--flush-interval=10", str(log))

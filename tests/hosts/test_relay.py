@@ -8,8 +8,6 @@ has little room.
 import json
 import signal
 import time
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -134,8 +132,6 @@ for number in range(200):
 print("has sent", flush=True)
 """
 
-Start = Callable[..., Any]
-
 
 class Line:
     """The computers, with the relays on them that have begun to work.
@@ -144,7 +140,7 @@ class Line:
         meeting: The kind of bus that the relays meet on.
     """
 
-    def __init__(self, network: Any, lcmtools_path: str, meeting: str) -> None:
+    def __init__(self, network, lcmtools_path, meeting):
         self.robot, self.office, self.third = network.hosts
         self.path, self.meeting = lcmtools_path, meeting
         self.cable = network.stretch(self.robot, 10.0, 500, 4e6)
@@ -159,7 +155,7 @@ class Line:
         self.receiver = self.third.python(RECEIVER)
         self.receiver.wait_for("listens")
 
-    def relay(self, state: str, *words: str) -> Any:
+    def relay(self, state, *words):
         """One more relay on the robot, which carries or stands by."""
         port = 7700 if self.meeting == "tcpq" else 7447
         there = f"{self.meeting}://{self.office.address}:{port}"
@@ -167,28 +163,28 @@ class Line:
         relay.wait_for(state)
         return relay
 
-    def send(self, rate: float, count: int, large: int = 0) -> Any:
+    def send(self, rate, count, large=0):
         """A program on the robot that sends so many numbers, and then a hundred a second."""
         return self.robot.python(SENDER, ROBOT, str(rate), str(count), str(large))
 
 
 @pytest.fixture(params=["tcpq", "zenoh"])
-def line(network: Callable[..., Any], lcmtools_path: str, request: pytest.FixtureRequest) -> Line:
+def line(network, lcmtools_path, request):
     """The computers, joined by a server or by Zenoh."""
     return Line(network("robot", "office", "third"), lcmtools_path, request.param)
 
 
-def _in_order(receiver: Any) -> bool:
+def _in_order(receiver):
     return not any("is not in order" in row for row in receiver.lines)
 
 
-def test_everything_arrives_once_and_in_order_over_a_bad_line(line: Line) -> None:
+def test_everything_arrives_once_and_in_order_over_a_bad_line(line):
     line.send(500.0, 1000, LARGE)
     line.receiver.wait_for("got 999 without 0")
     line.receiver.wait_for(f"got large {LARGE}")
 
 
-def test_a_storm_of_messages_arrives_in_order_and_what_follows_it_too(line: Line) -> None:
+def test_a_storm_of_messages_arrives_in_order_and_what_follows_it_too(line):
     """A bad line stalls for longer than messages may wait: some of them are dropped."""
     line.send(10_000.0, 10_000)
     while int(line.receiver.wait_for("got").split()[1]) < 10_000:
@@ -196,7 +192,7 @@ def test_a_storm_of_messages_arrives_in_order_and_what_follows_it_too(line: Line
     assert _in_order(line.receiver)
 
 
-def test_another_relay_takes_over_and_nothing_comes_twice(line: Line) -> None:
+def test_another_relay_takes_over_and_nothing_comes_twice(line):
     line.send(200.0, 6000)
     line.receiver.wait_for("got 199 without 0")
     line.relays[0].send_signal(signal.SIGKILL)
@@ -210,7 +206,7 @@ def test_another_relay_takes_over_and_nothing_comes_twice(line: Line) -> None:
     assert _in_order(line.receiver)
 
 
-def test_a_line_that_was_cut_carries_again(line: Line) -> None:
+def test_a_line_that_was_cut_carries_again(line):
     line.send(100.0, 6000)
     line.receiver.wait_for("got 99 without 0")
     line.cable.send_signal(signal.SIGUSR1)
@@ -222,9 +218,7 @@ def test_a_line_that_was_cut_carries_again(line: Line) -> None:
     assert _in_order(line.receiver)
 
 
-def test_a_relay_beside_another_one_waits_for_reports_over_the_line(
-    network: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_relay_beside_another_one_waits_for_reports_over_the_line(network, lcmtools_path):
     """As while the line comes back, when both have their connection and hear nobody yet."""
     robot, office = network("robot", "office").hosts
     office.python(SILENT).wait_for("serves")
@@ -235,7 +229,7 @@ def test_a_relay_beside_another_one_waits_for_reports_over_the_line(
     assert time.monotonic() - begin > 4.0  # before, the connection would be found dead
 
 
-def test_no_message_that_waited_for_the_line_arrives_late_but_what_is_latched(line: Line) -> None:
+def test_no_message_that_waited_for_the_line_arrives_late_but_what_is_latched(line):
     """All computers of the test have one clock, which the programs under test do not know."""
     hears = line.third.python(HEARS_TIMES)
     hears.wait_for("listens")
@@ -256,9 +250,7 @@ def test_no_message_that_waited_for_the_line_arrives_late_but_what_is_latched(li
 
 
 @pytest.mark.parametrize("way", ["out", "back"])
-def test_what_another_server_keeps_during_a_cut_does_not_arrive(
-    network: Callable[..., Any], lcmtools_path: str, way: str
-) -> None:
+def test_what_another_server_keeps_during_a_cut_does_not_arrive(network, lcmtools_path, way):
     """A server like lcm.jar, whose system keeps for a client whatever it has buffers for."""
     net = network("robot", "office")
     robot, office = net.hosts
@@ -283,13 +275,13 @@ def test_what_another_server_keeps_during_a_cut_does_not_arrive(
     assert not [one for one in times if cut + 0.3 < one < mended - 1.2]
 
 
-def _toggle(cable: Any) -> float:
+def _toggle(cable):
     """Cut the line, or mend it; return the time."""
     cable.send_signal(signal.SIGUSR1)
     return float(cable.wait_for("is ").split()[-1])
 
 
-def _lost(line: Line) -> int:
+def _lost(line):
     shown = [
         *json.loads(line.robot.out("relay", "--status", "--json", LCM_DEFAULT_URL=ROBOT)),
         *json.loads(line.office.out("relay", "--status", "--json", LCM_DEFAULT_URL=OFFICE)),
@@ -297,9 +289,7 @@ def _lost(line: Line) -> int:
     return sum(end["lost"] + end["dropped"] for link in shown for end in link["ends"])
 
 
-def test_a_relay_that_drops_what_its_line_does_not_take(
-    network: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_relay_that_drops_what_its_line_does_not_take(network, lcmtools_path):
     line = Line(network("robot", "office", "third"), lcmtools_path, "tcpq")
     line.robot.python(IMAGES, ROBOT)
     look = ("wtf", "--rule", "relay-losses", "--json", "--wait", "4s")
@@ -313,13 +303,13 @@ def test_a_relay_that_drops_what_its_line_does_not_take(
 
 
 @pytest.mark.parametrize("period", ["0.5", "3"])
-def test_a_slow_plain_program_behind_relays_is_known_at_once(line: Line, period: str) -> None:
+def test_a_slow_plain_program_behind_relays_is_known_at_once(line, period):
     sender = line.robot.python(TYPED, ROBOT, period)
     sender.wait_for("sends")
     bus = "udpm://239.255.76.67:7668 on robot"
     for host in (line.office, line.third):
 
-        def out(*words: str, host: Any = host) -> str:
+        def out(*words, host=host):
             return host.out(*words, LCM_DEFAULT_URL=OFFICE)
 
         assert out("list") == "SLOW\n"
@@ -335,7 +325,7 @@ def test_a_slow_plain_program_behind_relays_is_known_at_once(line: Line, period:
         assert [one["topic"] for one in program["publications"]] == ["SLOW"]
 
 
-def test_hostile_datagrams_on_both_sides_change_nothing(line: Line) -> None:
+def test_hostile_datagrams_on_both_sides_change_nothing(line):
     for host, port in ((line.robot, "7668"), (line.third, "7667")):
         host.python(HOSTILE, port).wait_for("has sent")
     line.send(200.0, 400)

@@ -2,7 +2,6 @@
 
 import json
 import signal
-from typing import Any
 
 import pytest
 
@@ -35,7 +34,7 @@ lcmtools.spin(node)
 
 
 @pytest.fixture(scope="module")
-def hosts(module_pair: Any, lcmtools_path: str) -> Any:
+def hosts(module_pair, lcmtools_path):
     """A talker and a server on ada, a listener on bob."""
     ada, bob = module_pair
     server = ada.python(_SERVER)
@@ -47,16 +46,16 @@ def hosts(module_pair: Any, lcmtools_path: str) -> Any:
 
 
 @pytest.fixture
-def ada(hosts: Any) -> Any:
+def ada(hosts):
     return hosts[0]
 
 
 @pytest.fixture
-def bob(hosts: Any) -> Any:
+def bob(hosts):
     return hosts[1]
 
 
-def test_topics_and_nodes_of_both_are_listed_on_both(ada: Any, bob: Any) -> None:
+def test_topics_and_nodes_of_both_are_listed_on_both(ada, bob):
     for host in (ada, bob):
         assert host.out("list").split() == ["/chatter", "/odom", "/rosout"]
         assert host.out("node", "list").split() == ["/listener", "/server", "/talker"]
@@ -64,7 +63,7 @@ def test_topics_and_nodes_of_both_are_listed_on_both(ada: Any, bob: Any) -> None
     assert ada.out("node", "machine", "10.76.0.1").split() == ["/server", "/talker"]
 
 
-def test_list_groups_topics_by_computer(bob: Any) -> None:
+def test_list_groups_topics_by_computer(bob):
     rows = bob.out("list", "--host").splitlines()
     assert rows == [
         *("Host [ada]:", "  /chatter", "  /odom", "  /rosout"),
@@ -72,7 +71,7 @@ def test_list_groups_topics_by_computer(bob: Any) -> None:
     ]
 
 
-def test_info_tells_name_and_address_of_the_other_computer(bob: Any) -> None:
+def test_info_tells_name_and_address_of_the_other_computer(bob):
     text = bob.out("info", "/chatter")
     assert " * /talker (ada at 10.76.0.1, pid " in text
     assert " * /listener (bob, pid " in text
@@ -83,7 +82,7 @@ def test_info_tells_name_and_address_of_the_other_computer(bob: Any) -> None:
     assert talker["rate"] == pytest.approx(10.0, rel=0.3)
 
 
-def test_node_info_tells_of_the_process_only_what_it_said_itself(ada: Any, bob: Any) -> None:
+def test_node_info_tells_of_the_process_only_what_it_said_itself(ada, bob):
     remote, local = bob.out("node", "info", "talker"), ada.out("node", "info", "talker")
     assert "Host: ada at 10.76.0.1\n" in remote
     assert "    * to: /listener\n" in remote
@@ -92,7 +91,7 @@ def test_node_info_tells_of_the_process_only_what_it_said_itself(ada: Any, bob: 
     assert "Memory: " in local
 
 
-def test_node_list_shows_where_they_run(bob: Any) -> None:
+def test_node_list_shows_where_they_run(bob):
     rows = {row.split()[1]: row for row in bob.out("node", "list", "-a").splitlines() if row}
     assert rows["/talker"].startswith("ada:")
     assert rows["/listener"].startswith("bob:")
@@ -104,7 +103,7 @@ def test_node_list_shows_where_they_run(bob: Any) -> None:
     ]
 
 
-def test_nodes_answer_a_ping_from_the_other_computer(ada: Any, bob: Any) -> None:
+def test_nodes_answer_a_ping_from_the_other_computer(ada, bob):
     assert "reply from /talker (ada)" in bob.out("node", "ping", "talker", "-c", "1")
     assert "3 of 3 nodes answered" in ada.out("node", "ping", "-a")
 
@@ -118,27 +117,27 @@ def test_nodes_answer_a_ping_from_the_other_computer(ada: Any, bob: Any) -> None
         (["delay", "/odom", "-n", "1"], "average delay: "),
     ],
 )
-def test_messages_are_shown_and_measured(bob: Any, command: list[str], shows: str) -> None:
+def test_messages_are_shown_and_measured(bob, command, shows):
     assert bob.out(*command).startswith(shows)
 
 
-def test_parameters_are_read_and_set(bob: Any) -> None:
+def test_parameters_are_read_and_set(bob):
     assert "/server/gain" in bob.out("param", "list").split()
     bob.out("param", "set", "/server", "gain", "2.5")  # it was 1.5
     assert bob.out("param", "get", "/server", "gain").strip().endswith("2.5")
 
 
-def test_services_are_called(bob: Any) -> None:
+def test_services_are_called(bob):
     assert "switched" in bob.out("service", "call", "/switch", "data: true")
 
 
-def test_wtf_finds_nothing_on_either(ada: Any, bob: Any) -> None:
+def test_wtf_finds_nothing_on_either(ada, bob):
     for host in (ada, bob):
         found = json.loads(host.lcmtools("wtf", "--json", "--wait", "0.5s").stdout)
         assert [one["rule"] for one in found if one["severity"] not in ("note", "unchecked")] == []
 
 
-def test_a_node_is_killed_from_the_other_computer(ada: Any, bob: Any, lcmtools_path: str) -> None:
+def test_a_node_is_killed_from_the_other_computer(ada, bob, lcmtools_path):
     node = ada.start(lcmtools_path, "run", "talker", "__name:=victim")
     node.wait_for("hello")
     assert bob.out("node", "kill", "victim") == "killing /victim\nkilled\n"
@@ -146,9 +145,7 @@ def test_a_node_is_killed_from_the_other_computer(ada: Any, bob: Any, lcmtools_p
     assert "on bob)" in node.output
 
 
-def test_who_was_killed_is_remembered_and_forgotten_where_it_ran(
-    ada: Any, bob: Any, lcmtools_path: str
-) -> None:
+def test_who_was_killed_is_remembered_and_forgotten_where_it_ran(ada, bob, lcmtools_path):
     node = ada.start(lcmtools_path, "run", "talker", "__name:=victim")
     node.wait_for("hello")
     node.send_signal(signal.SIGKILL)

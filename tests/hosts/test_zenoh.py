@@ -3,9 +3,7 @@
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
@@ -13,15 +11,13 @@ from fixtures.says import assert_says
 _HERE, _NETWORK = "zenoh://", "zenoh://?interface=eth0"
 
 
-def _talker(host: Any, lcmtools_path: str, url: str, *words: str) -> Any:
+def _talker(host, lcmtools_path, url, *words):
     talker = host.start(lcmtools_path, "run", "talker", *words, LCM_DEFAULT_URL=url)
     talker.wait_for("hello")
     return talker
 
 
-def test_zenoh_stays_on_its_computer_unless_it_is_told_otherwise(
-    pair: Any, lcmtools_path: str
-) -> None:
+def test_zenoh_stays_on_its_computer_unless_it_is_told_otherwise(pair, lcmtools_path):
     ada, bob = pair
     _talker(ada, lcmtools_path, _HERE, "__ns:=/quiet")
     _talker(ada, lcmtools_path, _NETWORK, "__ns:=/open")
@@ -36,9 +32,7 @@ def test_zenoh_stays_on_its_computer_unless_it_is_told_otherwise(
     assert_says(done.stderr, "Zenoh", "10.76.0.1:7447", "Connection refused")
 
 
-def test_a_cut_line_is_told_once_and_comes_back_by_itself(
-    network: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_cut_line_is_told_once_and_comes_back_by_itself(network, lcmtools_path):
     """All programs of ada may have the same URL: one listens, and another when that has ended."""
     net = network("ada", "bob")
     ada, bob = net.hosts
@@ -61,9 +55,7 @@ def test_a_cut_line_is_told_once_and_comes_back_by_itself(
     echo.end()
 
 
-def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(
-    pair: Any, lcmtools_path: str, tmp_path: Path
-) -> None:
+def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(pair, lcmtools_path, tmp_path):
     ada, bob = pair
     signing, robot, office = _of_the_page(tmp_path, ada.address)
     if shutil.which("openssl") is None:
@@ -76,7 +68,7 @@ def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(
     (tmp_path / "robot.json5").write_text(robot)
     _talker(ada, lcmtools_path, f"zenoh://{tmp_path}/robot.json5")
 
-    def as_ada(old: str = "", new: str = "") -> Any:
+    def as_ada(old="", new=""):
         (tmp_path / "office.json5").write_text(office.replace(old, new))
         return bob.lcmtools("node", "list", LCM_DEFAULT_URL=f"zenoh://{tmp_path}/office.json5")
 
@@ -90,10 +82,10 @@ def test_zenoh_with_tls_and_passwords_by_the_files_of_the_page(
     assert "10.76.0.1:7447 wants TLS" in plain.stderr
 
 
-def _of_the_page(folder: Path, address: str) -> list[str]:
+def _of_the_page(folder, address):
     """The commands that make certificates, and both files, for a folder and an address."""
     page = (Path(__file__).parents[2] / "docs/networks.md").read_text()
     page = page.replace("/etc/lcm", str(folder)).replace("192.168.1.7", address)
     blocks = re.findall(r"```\w+\n(.*?)```", page.partition("### TLS")[2], re.DOTALL)
-    found: list[str] = blocks[:3]
+    found = blocks[:3]
     return found

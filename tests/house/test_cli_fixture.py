@@ -4,18 +4,14 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from lcmtools.labs.nodes.talker import Talker
 
-Run = Callable[..., Any]
 
-
-def test_a_command_gives_its_exit_code_and_both_streams(cli: Run, bus_url: str) -> None:
+def test_a_command_gives_its_exit_code_and_both_streams(cli, bus_url):
     assert cli("msg", "proto", "std_msgs/String").ok() == "data: ''\n"
     failed = cli("info", "/nothing", "--lcm-url", bus_url)
     assert (failed.code, failed.out) == (1, "")
@@ -25,15 +21,13 @@ def test_a_command_gives_its_exit_code_and_both_streams(cli: Run, bus_url: str) 
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_command_that_goes_on_is_ended_by_a_signal(
-    number: signal.Signals, cli: Run, bus_url: str
-) -> None:
+def test_a_command_that_goes_on_is_ended_by_a_signal(number, cli, bus_url):
     result = cli("run", "talker", "--lcm-url", bus_url, until="hello world 1", ends_by=number)
     assert (result.code, result.out) == (0, "")
     assert "hello world 1" in result.err
 
 
-def test_a_command_reads_its_input_and_leaves_the_process_as_it_was(cli: Run, bus_url: str) -> None:
+def test_a_command_reads_its_input_and_leaves_the_process_as_it_was(cli, bus_url):
     before = dict(os.environ), Path.cwd(), list(sys.path), sys.argv, sys.stdin, sys.stdout
     handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     threads = threading.active_count()
@@ -45,18 +39,14 @@ def test_a_command_reads_its_input_and_leaves_the_process_as_it_was(cli: Run, bu
     assert threading.active_count() <= threads
 
 
-def test_what_a_command_starts_writes_into_the_same_streams(
-    cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_command_starts_writes_into_the_same_streams(cli, tmp_path, monkeypatch):
     script = tmp_path / "hello.launch.yaml"
     script.write_text("nodes: [{exec: echo hello}]\n")
     monkeypatch.chdir(tmp_path)
     assert "hello" in cli("launch", str(script)).out
 
 
-def test_nodes_of_the_process_are_on_the_bus_like_others(
-    cli: Run, bus_url: str, start_node: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nodes_of_the_process_are_on_the_bus_like_others(cli, bus_url, start_node, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     talker = start_node(Talker, "__ns:=/a")
     start_node(Talker)

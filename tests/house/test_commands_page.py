@@ -5,11 +5,11 @@ from man_pages import commands
 from ros_equivalents import EQUIVALENTS
 
 
-def test_committed_page_is_fresh() -> None:
+def test_committed_page_is_fresh():
     assert PAGE.read_text(encoding="utf-8") == page(), "run: make docs"
 
 
-def test_each_command_is_on_the_page_once() -> None:
+def test_each_command_is_on_the_page_once():
     text = PAGE.read_text(encoding="utf-8")
     rows = [row for row in text.splitlines() if row.startswith("| `lcmtools ")]
     names = [" ".join(words) for words in commands() if words[1:] and words[1] != "topic"]
@@ -19,5 +19,5 @@ def test_each_command_is_on_the_page_once() -> None:
     assert len(rows) == len(commands_alone)
 
 
-def test_equivalents_of_ros_are_those_of_commands() -> None:
+def test_equivalents_of_ros_are_those_of_commands():
     assert EQUIVALENTS.keys() <= {" ".join(words[1:]) for words in commands()}

@@ -6,7 +6,7 @@ PAGES = [*commands()]
 KNOWN = {".TH", ".SH", ".B", ".BR", ".I", ".PP", ".TP", ".nf", ".fi"}
 
 
-def test_pages_have_what_a_page_has_and_no_line_that_roff_misreads() -> None:
+def test_pages_have_what_a_page_has_and_no_line_that_roff_misreads():
     for words in PAGES:
         rows = page(words).splitlines()
         assert [row for row in rows if row.startswith(".SH")][:4] == [
@@ -19,7 +19,7 @@ def test_pages_have_what_a_page_has_and_no_line_that_roff_misreads() -> None:
         assert "" not in rows, words
 
 
-def test_page_of_echo_says_what_its_help_says() -> None:
+def test_page_of_echo_says_what_its_help_says():
     rows = page(("lcmtools", "echo")).splitlines()
     assert "lcmtools\\-echo \\- print the messages of a topic" in rows
     assert "[OPTIONS] TOPIC... [TYPE]" in rows

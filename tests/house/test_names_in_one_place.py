@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
-def _is_literal(name: str, source: str) -> bool:
+def _is_literal(name, source):
     """Return whether a string literal of a module, also within an f-string, is such a name."""
     if not re.search(name, source):  # nearly all modules need not be parsed
         return False
@@ -24,7 +24,7 @@ def _is_literal(name: str, source: str) -> bool:
         (r"sim_msgs/\w*", "lcmtools/observe/simulators.py"),
     ],
 )
-def test_a_name_is_written_in_one_place(name: str, place: str) -> None:
+def test_a_name_is_written_in_one_place(name, place):
     """A topic, or the types of a package; sentences that mention them do not count."""
     found = {
         str(path.relative_to(ROOT))

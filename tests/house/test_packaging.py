@@ -16,7 +16,7 @@ from man_pages import commands, page
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def run_python(*arguments: str, cwd: Path) -> str:
+def run_python(*arguments, cwd):
     """Run Python and return its output; what it says on stderr is shown if it fails."""
     command = [sys.executable, *arguments]
     finished = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
@@ -24,7 +24,7 @@ def run_python(*arguments: str, cwd: Path) -> str:
     return finished.stdout
 
 
-def build(kind: str, project: Path, folder: Path) -> Path:
+def build(kind, project, folder):
     """Build the sdist or wheel of a project into a folder of its own."""
     run_python("-m", "hatchling", "build", "-t", kind, "-d", str(folder), cwd=project)
     (built,) = folder.iterdir()
@@ -32,7 +32,7 @@ def build(kind: str, project: Path, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sdist(tmp_path_factory):
     """The unpacked sdist."""
     folder = tmp_path_factory.mktemp("sdist")
     with tarfile.open(build("sdist", ROOT, folder / "dist")) as archive:
@@ -44,12 +44,12 @@ def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
+def wheel(sdist, tmp_path_factory):
     """The wheel built from the sdist."""
     return zipfile.ZipFile(build("wheel", sdist, tmp_path_factory.mktemp("wheel") / "dist"))
 
 
-def files_of(folder: Path) -> set[str]:
+def files_of(folder):
     """Return the files that a package consists of, relative to the folder above it."""
     return {
         path.relative_to(folder.parent).as_posix()
@@ -59,11 +59,11 @@ def files_of(folder: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("package", ["lcmtools", "sim/lcmtools_sim"])
-def test_wheel_holds_every_file_of_the_package(wheel: zipfile.ZipFile, package: str) -> None:
+def test_wheel_holds_every_file_of_the_package(wheel, package):
     assert files_of(ROOT / package) - set(wheel.namelist()) == set()
 
 
-def test_wheel_holds_types_stubs_and_markers(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_types_stubs_and_markers(wheel):
     expected = {
         "lcmtools/py.typed",
         "lcmtools/types/fingerprints.py",
@@ -75,20 +75,20 @@ def test_wheel_holds_types_stubs_and_markers(wheel: zipfile.ZipFile) -> None:
     assert expected - set(wheel.namelist()) == set()
 
 
-def test_wheel_holds_the_lcm_file_of_every_type(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_the_lcm_file_of_every_type(wheel):
     sources = {str(path.relative_to(ROOT / "lcm_types")) for path in ROOT.glob("lcm_types/*/*.lcm")}
     folder = "lcmtools/lcm_files/"
     shipped = {name for name in wheel.namelist() if name.startswith(folder)}
     assert {name.removeprefix(folder) for name in shipped} == sources, "see force-include"
 
 
-def test_wheel_holds_nothing_but_the_two_packages(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_nothing_but_the_two_packages(wheel):
     tops = {name.partition("/")[0] for name in wheel.namelist()}
     metadata = {top for top in tops if top.endswith((".dist-info", ".data"))}
     assert tops - metadata == {"lcmtools", "lcmtools_sim"}
 
 
-def test_wheel_holds_the_man_pages_where_man_finds_them(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_the_man_pages_where_man_finds_them(wheel):
     pages = {f"{'-'.join(words)}.1": page(words) for words in commands()}
     folder = "/data/share/man/man1/"
     shipped = {name.partition(folder)[2]: name for name in wheel.namelist() if folder in name}
@@ -97,7 +97,7 @@ def test_wheel_holds_the_man_pages_where_man_finds_them(wheel: zipfile.ZipFile) 
     assert wheel.read(shipped[name]).decode() == pages[name]
 
 
-def test_every_entry_point_is_in_the_wheel(wheel: zipfile.ZipFile) -> None:
+def test_every_entry_point_is_in_the_wheel(wheel):
     (name,) = (name for name in wheel.namelist() if name.endswith("/entry_points.txt"))
     points = configparser.ConfigParser(delimiters=("=",))
     points.read_string(wheel.read(name).decode())
@@ -110,20 +110,20 @@ def test_every_entry_point_is_in_the_wheel(wheel: zipfile.ZipFile) -> None:
 
 
 @pytest.mark.parametrize("folder", ["lcm_types", "labs", "tests"])
-def test_sdist_holds_every_file_of_the_folder(sdist: Path, folder: str) -> None:
+def test_sdist_holds_every_file_of_the_folder(sdist, folder):
     assert files_of(ROOT / folder) - files_of(sdist / folder) == set()
 
 
-def test_sdist_holds_pages_and_project_file(sdist: Path) -> None:
+def test_sdist_holds_pages_and_project_file(sdist):
     expected = {"LICENSE", "README.md", "hatch_build.py", "pyproject.toml"}
     assert expected - {path.name for path in sdist.iterdir()} == set()
 
 
-def test_types_can_be_made_from_the_sdist(sdist: Path) -> None:
+def test_types_can_be_made_from_the_sdist(sdist):
     run_python("lcm_types/generate.py", "--check", cwd=sdist)
 
 
-def test_installed_wheel_offers_the_types(wheel: zipfile.ZipFile, tmp_path: Path) -> None:
+def test_installed_wheel_offers_the_types(wheel, tmp_path):
     target = tmp_path / "site"
     pip = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--no-compile"]
     run_python(*pip, "--target", str(target), str(wheel.filename), cwd=tmp_path)

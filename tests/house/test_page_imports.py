@@ -8,7 +8,7 @@ from lcmtools.gui.server import STATIC
 _IMPORT = re.compile(r'^(?:import|export)\b[^;]*?from "(\.[^"]+)";', re.MULTILINE)
 
 
-def test_no_module_of_the_page_imports_itself_by_others() -> None:
+def test_no_module_of_the_page_imports_itself_by_others():
     graph = {
         path: [(path.parent / name).resolve() for name in _IMPORT.findall(path.read_text())]
         for path in STATIC.resolve().rglob("*.js")

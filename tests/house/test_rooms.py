@@ -20,7 +20,7 @@ from lcmtools.cli.lazy import LazyGroup
 ROOT = Path(__file__).parents[2]
 
 
-def test_imports_go_down_only() -> None:
+def test_imports_go_down_only():
     lint = Path(sysconfig.get_path("scripts")) / "lint-imports"
     done = subprocess.run(
         [lint, "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False
@@ -31,11 +31,11 @@ def test_imports_go_down_only() -> None:
 ARCHITECTURE = (ROOT / "ARCHITECTURE.md").read_text()
 
 
-def _imports() -> dict[str, set[str]]:
+def _imports():
     """The packages of lcmtools that each of them imports directly."""
     graph = grimp.build_graph("lcmtools")
     rooms = {path.parent.name for path in (ROOT / "lcmtools").glob("*/__init__.py")}
-    found: dict[str, set[str]] = defaultdict(set)
+    found = defaultdict(set)
     for module in graph.modules:
         room = module.split(".")[1] if "." in module else ""
         for imported in graph.find_modules_directly_imported_by(module):
@@ -45,10 +45,10 @@ def _imports() -> dict[str, set[str]]:
     return found
 
 
-def test_the_picture_of_the_imports_is_true() -> None:
+def test_the_picture_of_the_imports_is_true():
     imports = _imports()
 
-    def reached(room: str) -> set[str]:
+    def reached(room):
         return imports[room].union(*(reached(other) for other in tuple(imports[room])))
 
     needed = {
@@ -65,7 +65,7 @@ LAZY = {  # imported when they are needed, by a module that they use themselves
 }
 
 
-def test_no_import_goes_in_a_circle() -> None:
+def test_no_import_goes_in_a_circle():
     graph = grimp.build_graph("lcmtools")
     imports = {
         (module, other)
@@ -80,13 +80,13 @@ def test_no_import_goes_in_a_circle() -> None:
     sorter.prepare()  # its error names a circle
 
 
-def test_every_module_that_this_file_names_is_there() -> None:
+def test_every_module_that_this_file_names_is_there():
     named = set(re.findall(r'"(lcmtools(?:\.\w+)+)"', Path(__file__).read_text()))
     assert {name for name in named if find_spec(name) is None} == set()
     assert len(named) > len(LAZY)
 
 
-def test_every_module_that_the_architecture_names_is_there() -> None:
+def test_every_module_that_the_architecture_names_is_there():
     rooms = "|".join(path.parent.name for path in (ROOT / "lcmtools").glob("*/__init__.py"))
     named = re.findall(rf"`((?:{rooms})(?:/\w+)+)`", ARCHITECTURE)
     missing = [
@@ -105,7 +105,7 @@ LINUX_ONLY = {
 }
 
 
-def test_files_of_linux_are_read_in_the_modules_that_have_a_fallback() -> None:
+def test_files_of_linux_are_read_in_the_modules_that_have_a_fallback():
     readers = {
         path.relative_to(ROOT).as_posix().removeprefix("lcmtools/")
         for folder in ("lcmtools", "sim")
@@ -115,7 +115,7 @@ def test_files_of_linux_are_read_in_the_modules_that_have_a_fallback() -> None:
     assert readers == LINUX_ONLY
 
 
-def test_no_topic_verb_has_the_name_of_another_command() -> None:
+def test_no_topic_verb_has_the_name_of_another_command():
     hidden = [name for name, entry in TOPIC_VERBS.items() if COMMANDS[name] != entry]
     assert not hidden, f"lcmtools topic {hidden[0]} is not lcmtools {hidden[0]}: rename the verb"
 
@@ -157,7 +157,7 @@ LOOKS = [
 """Commands that only look, also where what they look for is not there."""
 
 
-def commands() -> list[list[str]]:
+def commands():
     """Every command that there is, by the tables."""
     from lcmtools.cli import main
 
@@ -172,7 +172,7 @@ def commands() -> list[list[str]]:
     return words
 
 
-def newly_loaded(*lines: str) -> dict[str, set[str]]:
+def newly_loaded(*lines):
     """The modules that each command has imported when it ends, without those of earlier ones."""
     script = (
         "import json, shlex, sys\n"
@@ -192,14 +192,14 @@ def newly_loaded(*lines: str) -> dict[str, set[str]]:
     return {line: set(modules) for line, modules in found.items()}
 
 
-def test_help_loads_neither_the_bus_nor_yaml_nor_types() -> None:
+def test_help_loads_neither_the_bus_nor_yaml_nor_types():
     loaded = newly_loaded("--help", "topic --help", "node --help", "--version")
     others = {"lcmtools.bus", "lcmtools.types", "lcmtools.node"}
     too_many = {line: names & (HEAVY | others) for line, names in loaded.items()}
     assert {line: names for line, names in too_many.items() if names} == {}
 
 
-def test_list_loads_only_what_it_needs() -> None:
+def test_list_loads_only_what_it_needs():
     (loaded,) = newly_loaded("list --domain 99").values()
     assert "lcmtools.bus.tap" in loaded
     assert not loaded & {"lcm", "yaml", "numpy", "pybullet", "lcmtools.types.sensor_msgs"}
@@ -219,17 +219,17 @@ def test_list_loads_only_what_it_needs() -> None:
         ("run --list", "lcmtools.node"),
     ],
 )
-def test_a_command_leaves_out_what_only_others_need(line: str, unneeded: str) -> None:
+def test_a_command_leaves_out_what_only_others_need(line, unneeded):
     (loaded,) = newly_loaded(line).values()
     assert unneeded not in loaded
 
 
-def test_no_commands_help_loads_what_is_heavy() -> None:
+def test_no_commands_help_loads_what_is_heavy():
     loaded = newly_loaded(*(" ".join([*words, "--help"]) for words in commands()))
     assert {line: names & HEAVY for line, names in loaded.items() if names & HEAVY} == {}
 
 
-def test_who_only_looks_loads_nothing_heavy(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_only_looks_loads_nothing_heavy(bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     loaded = newly_loaded(*LOOKS)
     assert {line: names & HEAVY for line, names in loaded.items() if names & HEAVY} == {}
@@ -241,7 +241,7 @@ COMMAND_FILES = [
 
 
 @pytest.mark.parametrize("path", COMMAND_FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_a_command_file_only_parses_asks_and_prints(path: Path) -> None:
+def test_a_command_file_only_parses_asks_and_prints(path):
     text = path.read_text()
     found = {type(node).__name__ for node in ast.walk(ast.parse(text))}
     assert not found & {"ClassDef", "While"}, "a class or a loop without end belongs elsewhere"
@@ -249,7 +249,7 @@ def test_a_command_file_only_parses_asks_and_prints(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["bag.open", "observe.messages", "publish.publish"])
-def test_a_public_package_is_found_without_an_import_of_its_own(name: str) -> None:
+def test_a_public_package_is_found_without_an_import_of_its_own(name):
     program = f"import lcmtools; print(lcmtools.{name}.__name__)"
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True

@@ -1,7 +1,6 @@
 """A sensor is one file and one line of a table: no other module of the simulator knows its kind."""
 
 import ast
-from collections.abc import Iterator
 from pathlib import Path
 
 from lcmtools_sim import sensors
@@ -11,7 +10,7 @@ TABLE, INTERFACE = "lcmtools_sim.sensors", "lcmtools_sim.sensors.sensor"
 _KNOWS_KINDS = ("sensors", "robots")  # the kinds themselves, and the models that carry them
 
 
-def others() -> Iterator[tuple[str, ast.AST]]:
+def others():
     """All parts of the modules that must not know a kind, each with its module's path."""
     for path in sorted(SIMULATOR.rglob("*.py")):
         name = path.relative_to(SIMULATOR)
@@ -20,7 +19,7 @@ def others() -> Iterator[tuple[str, ast.AST]]:
                 yield str(name), node
 
 
-def test_no_other_module_has_the_name_of_a_kind_of_sensor() -> None:
+def test_no_other_module_has_the_name_of_a_kind_of_sensor():
     found = [
         f"{name}:{node.lineno}: {node.value!r}"
         for name, node in others()
@@ -29,7 +28,7 @@ def test_no_other_module_has_the_name_of_a_kind_of_sensor() -> None:
     assert found == [], "make what it decides an attribute of SensorKind or of its settings"
 
 
-def test_other_modules_import_only_the_table_of_sensors_and_their_interface() -> None:
+def test_other_modules_import_only_the_table_of_sensors_and_their_interface():
     imported = {
         (name, node.module, alias.name)
         for name, node in others()

@@ -10,13 +10,13 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def generate(root: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+def generate(root, *arguments):
     command = [sys.executable, str(root / "lcm_types" / "generate.py"), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture
-def copy(tmp_path: Path) -> Path:
+def copy(tmp_path):
     """A project of one's own, with nothing but the sources and the generated types."""
     ignore = shutil.ignore_patterns("__pycache__")
     for folder in ("lcm_types", "lcmtools/types"):
@@ -24,12 +24,12 @@ def copy(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_committed_types_are_fresh() -> None:
+def test_committed_types_are_fresh():
     checked = generate(ROOT, "--check")
     assert (checked.returncode, checked.stdout, checked.stderr) == (0, "", "")
 
 
-def test_changed_comment_is_reported_without_being_written(copy: Path) -> None:
+def test_changed_comment_is_reported_without_being_written(copy):
     source = copy / "lcm_types" / "std_msgs" / "String.lcm"
     source.write_text(source.read_text().replace("the text, in UTF-8", "what is said"))
     before = (copy / "lcmtools/types/std_msgs/String.py").read_text()
@@ -40,7 +40,7 @@ def test_changed_comment_is_reported_without_being_written(copy: Path) -> None:
     assert (copy / "lcmtools/types/std_msgs/String.py").read_text() == before
 
 
-def test_changed_field_is_reported_with_its_stub_and_all_fingerprints(copy: Path) -> None:
+def test_changed_field_is_reported_with_its_stub_and_all_fingerprints(copy):
     source = copy / "lcm_types" / "std_msgs" / "String.lcm"
     source.write_text(source.read_text().replace("string data;", "double data;"))
     stale = "".join(
@@ -50,7 +50,7 @@ def test_changed_field_is_reported_with_its_stub_and_all_fingerprints(copy: Path
     assert generate(copy, "--check").stdout == stale
 
 
-def test_stray_missing_and_edited_files_are_reported_and_mended(copy: Path) -> None:
+def test_stray_missing_and_edited_files_are_reported_and_mended(copy):
     types = copy / "lcmtools" / "types"
     (types / "std_msgs" / "Rumour.py").write_text("")
     (types / "std_msgs" / "Bool.pyi").unlink()
@@ -67,7 +67,7 @@ def test_stray_missing_and_edited_files_are_reported_and_mended(copy: Path) -> N
     assert not (types / "std_msgs" / "Rumour.py").exists()
 
 
-def test_new_service_gets_its_pair(copy: Path) -> None:
+def test_new_service_gets_its_pair(copy):
     for suffix in ("Request", "Response"):
         source = copy / "lcm_types" / "lab_srvs" / f"Reset_{suffix}.lcm"
         source.parent.mkdir(exist_ok=True)
@@ -79,7 +79,7 @@ def test_new_service_gets_its_pair(copy: Path) -> None:
     assert "Request: TypeAlias = Reset_Request" in (types / "Reset.py").read_text()
 
 
-def test_syntax_error_is_shown_as_lcm_gen_says_it_and_nothing_is_written(copy: Path) -> None:
+def test_syntax_error_is_shown_as_lcm_gen_says_it_and_nothing_is_written(copy):
     (copy / "lcm_types" / "std_msgs" / "String.lcm").write_text("struct String{ string data; }\n")
     before = (copy / "lcmtools/types/std_msgs/String.py").read_bytes()
     generated = generate(copy)
@@ -88,7 +88,7 @@ def test_syntax_error_is_shown_as_lcm_gen_says_it_and_nothing_is_written(copy: P
     assert (copy / "lcmtools/types/std_msgs/String.py").read_bytes() == before
 
 
-def test_unknown_type_of_a_field_is_an_error(copy: Path) -> None:
+def test_unknown_type_of_a_field_is_an_error(copy):
     source = copy / "lcm_types" / "std_msgs" / "String.lcm"
     source.write_text(source.read_text().replace("string data;", "uint8_t data;"))
     checked = generate(copy, "--check")

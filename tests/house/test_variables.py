@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 from lcmtools.settings import SETTINGS, VARIABLES
@@ -20,7 +19,7 @@ OTHER_NAMES = {"LCM_SELF_TEST", "CATKIN_IGNORE"}
 _NAME = re.compile(r"_?[A-Z][A-Z0-9]*(_[A-Z0-9]+)+|[A-Z]+")
 
 
-def read_names() -> Iterator[str]:
+def read_names():
     """Texts that look like variables' names, in modules that know of an environment.
 
     A single word counts only where it is looked up in one.
@@ -37,7 +36,7 @@ def read_names() -> Iterator[str]:
                         yield name
 
 
-def test_variables_that_are_read_are_in_the_table() -> None:
+def test_variables_that_are_read_are_in_the_table():
     known = {one.variable for one in SETTINGS.values()} | VARIABLES.keys()
     found = set(read_names()) - OF_THE_SYSTEM - BETWEEN_PROCESSES - OTHER_NAMES
     assert found - known == set()

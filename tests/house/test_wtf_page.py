@@ -4,7 +4,7 @@ import pytest
 from wtf_page import PAGE, page, shown
 
 
-def test_committed_page_is_fresh() -> None:
+def test_committed_page_is_fresh():
     assert PAGE.read_text(encoding="utf-8") == page(), "run: make docs"
 
 
@@ -21,5 +21,5 @@ def test_committed_page_is_fresh() -> None:
         ("[[0]] of {{x}}", "[[0]] of {x}"),
     ],
 )
-def test_sentences_have_examples_of_their_parts(sentence: str, text: str) -> None:
+def test_sentences_have_examples_of_their_parts(sentence, text):
     assert shown(sentence) == text

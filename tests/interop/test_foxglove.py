@@ -4,19 +4,18 @@ import json
 import math
 import shutil
 import subprocess
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from lcmtools import Node
-from lcmtools.bag.ros_bags import Encoding, McapFile
+from lcmtools.bag.ros_bags import McapFile
 from lcmtools.bag.ros_types import RosTypes
 from lcmtools.messages.codec import encode
-from lcmtools.messages.fields import Field, visible_fields
+from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import to_plain
-from lcmtools.messages.registry import Message, message_class, type_names
+from lcmtools.messages.registry import message_class, type_names
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.wire.packet import Packet
@@ -26,7 +25,7 @@ _TIME = 1_700_000_000_123_456_789
 
 
 @pytest.fixture(scope="module")
-def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def scripts(tmp_path_factory):
     """The folder of the scripts, with the packages that they need."""
     if not (shutil.which("node") and shutil.which("npm")):
         pytest.skip("node and npm are not installed")
@@ -39,7 +38,7 @@ def scripts(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def _filled(name: str, count: int = 0) -> Message:
+def _filled(name, count=0):
     """A message of a type with another value in every field."""
     message = message_class(name)()
     for number, part in enumerate(visible_fields(type(message)), count + 1):
@@ -47,7 +46,7 @@ def _filled(name: str, count: int = 0) -> Message:
     return message
 
 
-def _values(part: Field, sizes: list[int | str], number: int) -> object:
+def _values(part, sizes, number):
     if sizes:
         size = sizes[0] if isinstance(sizes[0], int) else 2
         return [_values(part, sizes[1:], number + place) for place in range(size)]
@@ -60,7 +59,7 @@ def _values(part: Field, sizes: list[int | str], number: int) -> object:
     return number + 0.25 if part.type.startswith("float") else number
 
 
-def _as_foxglove_has_it(plain: object, encoding: Encoding, name: str = "") -> object:
+def _as_foxglove_has_it(plain, encoding, name=""):
     if encoding == "ros1" and name in ("std_msgs/Time", "std_msgs/Duration"):
         return {"data": plain}  # ROS 1's message, which has a time
     if isinstance(plain, Mapping):
@@ -75,7 +74,7 @@ def _as_foxglove_has_it(plain: object, encoding: Encoding, name: str = "") -> ob
     )
 
 
-def _same(found: object, wanted: object) -> bool:
+def _same(found, wanted):
     """Return whether values are equal, but for the names of nanoseconds."""
     if isinstance(wanted, Mapping) and isinstance(found, Mapping):
         found = {"nsec" if name == "nanosec" else name: one for name, one in found.items()}
@@ -87,19 +86,17 @@ def _same(found: object, wanted: object) -> bool:
         return len(found) == len(wanted) and all(map(_same, found, wanted))
     if isinstance(found, str) and isinstance(wanted, int):  # 64 bits
         return int(found) == wanted
-    return math.isclose(found, wanted) if isinstance(wanted, float) else found == wanted  # type: ignore[arg-type]
+    return math.isclose(found, wanted) if isinstance(wanted, float) else found == wanted
 
 
 @pytest.mark.parametrize("encoding", ["cdr", "ros1"])
-def test_every_type_is_decoded_field_for_field(
-    encoding: Encoding, scripts: Path, tmp_path: Path
-) -> None:
+def test_every_type_is_decoded_field_for_field(encoding, scripts, tmp_path):
     messages = {name: _filled(name) for name in type_names()}
     path = tmp_path / "a.mcap"
     with McapFile(path, encoding) as file:
         for place, (name, message) in enumerate(messages.items()):
             packet = Packet(f"/{name}", encode(message), _TIME + place)
-            file.add(packet, Decoder(lambda _, name=name: (name,)))  # type: ignore[misc]
+            file.add(packet, Decoder(lambda _, name=name: (name,)))
     command = ["node", scripts / "decode.mjs", path]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     rows = [json.loads(line) for line in run.stdout.splitlines()]
@@ -111,12 +108,10 @@ def test_every_type_is_decoded_field_for_field(
 
 
 @pytest.fixture
-def connect(
-    start: Callable[..., Any], bus_url: str, lcmtools_path: str, scripts: Path
-) -> Callable[..., Any]:
+def connect(start, bus_url, lcmtools_path, scripts):
     """``connect({topic: ...}, options=["--allow-publish"])``: a client that publishes these."""
 
-    def run(*published: object, options: tuple[str, ...] = ()) -> Any:
+    def run(*published, options=()):
         server = start(lcmtools_path, "foxglove", "--port", "0", *options, LCM_DEFAULT_URL=bus_url)
         url = server.wait_for("in Foxglove").partition(" connection to ")[2].split()[0]
         return start("node", str(scripts / "client.mjs"), url, *map(json.dumps, published))
@@ -124,9 +119,7 @@ def connect(
     return run
 
 
-def test_every_type_of_a_bus_is_decoded_field_for_field(
-    connect: Callable[..., Any], start_node: Callable[..., Any], wait_until: Callable[..., None]
-) -> None:
+def test_every_type_of_a_bus_is_decoded_field_for_field(connect, start_node, wait_until):
     messages = {f"/{name}": _filled(name) for name in type_names()}
     node = start_node(lambda: Node("all_types")).node
     publishers = {topic: node.create_publisher(type(one), topic) for topic, one in messages.items()}
@@ -141,10 +134,8 @@ def test_every_type_of_a_bus_is_decoded_field_for_field(
 
 
 @pytest.mark.parametrize("encoding", ["json", "ros1"])
-def test_a_client_publishes_where_it_may(
-    encoding: str, connect: Callable[..., Any], start_node: Callable[..., Any], wait_until: Any
-) -> None:
-    got: list[float] = []
+def test_a_client_publishes_where_it_may(encoding, connect, start_node, wait_until):
+    got = []
     node = start_node(lambda: Node("robot")).node
     node.create_subscription(Twist, "/cmd", lambda message: got.append(message.linear.x))
     connect(_twist("/cmd", encoding), options=("--allow-publish", "/cmd"))
@@ -152,10 +143,8 @@ def test_a_client_publishes_where_it_may(
     assert set(got) == {0.5}
 
 
-def test_a_client_publishes_nothing_by_default(
-    connect: Callable[..., Any], start_node: Callable[..., Any]
-) -> None:
-    got: list[object] = []
+def test_a_client_publishes_nothing_by_default(connect, start_node):
+    got = []
     start_node(lambda: Node("robot")).node.create_subscription(Twist, "/cmd", got.append)
     client = connect(_twist("/cmd", "json"))
     assert "clientPublish" not in client.wait_for('"event":"info"')
@@ -163,7 +152,7 @@ def test_a_client_publishes_nothing_by_default(
     assert not got
 
 
-def _twist(topic: str, encoding: str) -> dict[str, object]:
+def _twist(topic, encoding):
     zero = {"x": 0, "y": 0, "z": 0}
     message = {"linear": {**zero, "x": 0.5}, "angular": zero}
     wish = {"topic": topic, "schemaName": "geometry_msgs/Twist", "encoding": encoding}

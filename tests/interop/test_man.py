@@ -3,14 +3,13 @@
 import os
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 from man_pages import commands, main
 
 
 @pytest.mark.skipif(not shutil.which("man"), reason="there is no man here")
-def test_man_shows_every_page_without_a_warning(tmp_path: Path) -> None:
+def test_man_shows_every_page_without_a_warning(tmp_path):
     main([str(tmp_path / "man")])
     pages = [str(path) for path in sorted(tmp_path.glob("man/*.1"))]
     assert len(pages) == len([*commands()])

@@ -65,7 +65,7 @@ serve(SetBool, trigger)  # wrong
 """
 
 
-def test_mypy_accepts_what_is_right_and_names_what_is_wrong(tmp_path: Path) -> None:
+def test_mypy_accepts_what_is_right_and_names_what_is_wrong(tmp_path):
     snippet = tmp_path / "snippet.py"
     snippet.write_text(SNIPPET)
     command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-error-summary"]

@@ -3,24 +3,19 @@
 import json
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
-
-Check = Callable[..., list[dict[str, Any]]]
 
 LONGEST = 25.0
 """Of a check [s], by the simulation's pace; its start and end take less than 5 s more."""
 
 
 @pytest.fixture
-def left_over(tmp_path: Path) -> Callable[[], list[str]]:
+def left_over(tmp_path):
     """Return the command lines of processes with the test's TMPDIR, which it hands to its labs."""
 
-    def find() -> list[str]:
+    def find():
         mark = f"TMPDIR={tmp_path}".encode()
         found = []
         for folder in Path("/proc").iterdir():
@@ -37,10 +32,10 @@ def left_over(tmp_path: Path) -> Callable[[], list[str]]:
 
 
 @pytest.fixture
-def check(cli: Callable[..., Result], tmp_path: Path) -> Check:
+def check(cli, tmp_path):
     """``check("husky", "controller", source, "fault")``: the rows that are not ok."""
 
-    def run(lab: str, program: str, source: str, fault: str) -> list[dict[str, Any]]:
+    def run(lab, program, source, fault):
         script = tmp_path / "program.py"
         script.write_text(source)
         command = f"{sys.executable} {script} {fault}"

@@ -5,21 +5,16 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.typist import Typist
 
 from lcmtools.labs.checks import checked_programs, dolly, test_bench
 from lcmtools.processes.child import StopTimeouts
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
-Run = Callable[..., Result]
-LeftOver = Callable[[], list[str]]
 
 TOO_SLOW = """
 import lcmtools
@@ -107,14 +102,10 @@ lcmtools.shutdown()
 
 
 @pytest.fixture
-def check(
-    cli: Run, tmp_path: Path, left_over: LeftOver
-) -> Iterator[Callable[..., dict[str, dict[str, object]]]]:
+def check(cli, tmp_path, left_over):
     """``check("husky", "--controller", source)``: the rows by what they are about."""
 
-    def run(
-        lab: str, *options: str, source: str = "", tail: str = ""
-    ) -> dict[str, dict[str, object]]:
+    def run(lab, *options, source="", tail=""):
         script = tmp_path / "program.py"
         script.write_text(source)
         own = [options[-1], f"{sys.executable} {script}{tail}"] if source else []
@@ -130,23 +121,19 @@ def check(
     assert left_over() == []
 
 
-def not_ok(rows: dict[str, dict[str, object]]) -> list[str]:
+def not_ok(rows):
     return [what for what, row in rows.items() if not row["ok"]]
 
 
 @pytest.mark.parametrize("lab", ["husky", "pioneer", "dolly"])
-def test_our_own_programs_do_what_the_labs_ask_for(
-    lab: str, check: Callable[..., dict[str, dict[str, object]]]
-) -> None:
+def test_our_own_programs_do_what_the_labs_ask_for(lab, check):
     rate = ["--rate", "12"] if lab == "dolly" else []  # nothing there depends on it
     rows = check(lab, *rate, "")
     assert not_ok(rows) == [], rows
     assert all(row["hint"] == "" for row in rows.values())
 
 
-def test_a_controller_that_is_too_slow_is_measured_and_advised(
-    check: Callable[..., dict[str, dict[str, object]]],
-) -> None:
+def test_a_controller_that_is_too_slow_is_measured_and_advised(check):
     rows = check("husky", "--rate", "8", "--controller", source=TOO_SLOW)
     row = rows["drive at 0.5 m/s"]
     assert not row["ok"]
@@ -157,9 +144,7 @@ def test_a_controller_that_is_too_slow_is_measured_and_advised(
     assert str(rows["turn at 0.3 rad/s"]["hint"]).startswith("it does not move")
 
 
-def test_keys_that_are_exchanged_and_missing_are_found(
-    check: Callable[..., dict[str, dict[str, object]]],
-) -> None:
+def test_keys_that_are_exchanged_and_missing_are_found(check):
     rows = check("pioneer", "--teleop", source=WRONG_KEYS)
     assert not_ok(rows) == [
         "m  backward, clockwise",
@@ -169,17 +154,13 @@ def test_keys_that_are_exchanged_and_missing_are_found(
     ]
 
 
-def test_a_picture_that_is_upside_down_is_found(
-    check: Callable[..., dict[str, dict[str, object]]],
-) -> None:
+def test_a_picture_that_is_upside_down_is_found(check):
     rows = check("pioneer", "--viewer", source=UPSIDE_DOWN, tail=" {picture}")
     assert rows["saves a picture"]["measured"] == "640 x 480 pixels"
     assert not_ok(rows) == ["shows the depth"]
 
 
-def test_a_mover_with_the_wrong_rate_and_circle_is_measured(
-    check: Callable[..., dict[str, dict[str, object]]], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_mover_with_the_wrong_rate_and_circle_is_measured(check, monkeypatch):
     monkeypatch.setattr(dolly, "SOME", 5)
     rows = check("dolly", "--rate", "12", "--mover", source=ONE_HERTZ)
     assert not_ok(rows) == ["rate of commands", "velocity commanded", "circle that it drives"]
@@ -188,9 +169,7 @@ def test_a_mover_with_the_wrong_rate_and_circle_is_measured(
     assert rows["circle that it drives"]["measured"] == "0.833 m"
 
 
-def test_a_program_that_crashes_gets_a_row_with_its_last_words(
-    check: Callable[..., dict[str, dict[str, object]]],
-) -> None:
+def test_a_program_that_crashes_gets_a_row_with_its_last_words(check):
     rows = check("dolly", "--reader", source="raise ValueError('oops')")
     row = rows["prints ranges"]
     assert not_ok(rows) == ["prints ranges"]
@@ -213,13 +192,8 @@ def test_a_program_that_crashes_gets_a_row_with_its_last_words(
     ],
 )
 def test_a_terminal_shows_what_is_checked_before_the_first_row(
-    option: str,
-    says: str,
-    shown: str,
-    lcmtools_path: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    option, says, shown, lcmtools_path, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     Path("reading_laser.py").write_text("raise ValueError('oops')")
     jobs = ["--jobs=1"] if "programs" in option else []
@@ -230,26 +204,20 @@ def test_a_terminal_shows_what_is_checked_before_the_first_row(
     assert person.written.decode().startswith(f"{first}\rchecking {shown} ...\x1b[K\r\x1b[K\r\n")
 
 
-def test_what_a_check_does_is_told_before_the_simulator_starts(
-    start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_what_a_check_does_is_told_before_the_simulator_starts(start, lcmtools_path):
     program = start(lcmtools_path, "lab", "check", "husky")
     program.wait_for("there is no simple_controller or evaluate_controller in this folder", 5.0)
     program.wait_for("simulates 2 programs, one after the other: about 16 s", 5.0)
 
 
-def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(
-    check: Callable[..., dict[str, dict[str, object]]],
-) -> None:
+def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(check):
     rows = check("dolly", "--reader", source="while True: print('no range' * 100)")
     row = rows["prints ranges"]
     assert not row["ok"]
     assert len(str(row["measured"]) + str(row["hint"])) < 400
 
 
-def test_a_program_that_is_silent_and_ignores_signals_is_ended(
-    check: Callable[..., dict[str, dict[str, object]]], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_program_that_is_silent_and_ignores_signals_is_ended(check, monkeypatch):
     monkeypatch.setattr(test_bench, "_FIRST_MESSAGE", 2.0)
     monkeypatch.setattr(checked_programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
     source = (
@@ -263,25 +231,18 @@ def test_a_program_that_is_silent_and_ignores_signals_is_ended(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_a_check_that_is_broken_off_leaves_no_process(
-    number: signal.Signals,
-    start: Callable[..., object],
-    lcmtools_path: str,
-    tmp_path: Path,
-    left_over: LeftOver,
-    wait_until: Callable[..., None],
-) -> None:
+    number, start, lcmtools_path, tmp_path, left_over, wait_until
+):
     program = start(lcmtools_path, "lab", "check", "husky", TMPDIR=str(tmp_path))
-    program.wait_for("drive at 0.1 m/s", 60.0)  # type: ignore[attr-defined] # conftest's Program
+    program.wait_for("drive at 0.1 m/s", 60.0)
     assert len(left_over()) >= 3
-    os.kill(program.pid, number)  # type: ignore[attr-defined]
-    code = program.wait()  # type: ignore[attr-defined]
+    os.kill(program.pid, number)
+    code = program.wait()
     assert code == (-number if number == signal.SIGKILL else 128 + number)
     wait_until(lambda: left_over() == [], 20.0)
 
 
-def test_a_simulator_that_dies_is_not_the_fault_of_the_program(
-    start: Callable[..., Any], lcmtools_path: str, tmp_path: Path
-) -> None:
+def test_a_simulator_that_dies_is_not_the_fault_of_the_program(start, lcmtools_path, tmp_path):
     program = start(lcmtools_path, "lab", "check", "husky", TMPDIR=str(tmp_path))
     program.wait_for("drive at 0.1 m/s", 60.0)
     mark = f"TMPDIR={tmp_path}".encode()
@@ -297,13 +258,8 @@ def test_a_simulator_that_dies_is_not_the_fault_of_the_program(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_class_that_is_broken_off_leaves_no_process_and_no_file(
-    number: signal.Signals,
-    start: Callable[..., object],
-    lcmtools_path: str,
-    tmp_path: Path,
-    left_over: LeftOver,
-    wait_until: Callable[..., None],
-) -> None:
+    number, start, lcmtools_path, tmp_path, left_over, wait_until
+):
     folder = tmp_path / "class"
     folder.mkdir()
     for name in ("anna", "bo", "cy"):
@@ -311,27 +267,27 @@ def test_a_class_that_is_broken_off_leaves_no_process_and_no_file(
     command = ("lab", "check", "dolly", "--programs", str(folder), "--jobs", "2")
     program = start(lcmtools_path, *command, TMPDIR=str(tmp_path))
     wait_until(lambda: sum(" sim --world " in one for one in left_over()) == 2)
-    os.kill(program.pid, number)  # type: ignore[attr-defined]
-    assert program.wait() == 128 + number  # type: ignore[attr-defined]
+    os.kill(program.pid, number)
+    assert program.wait() == 128 + number
     assert left_over() == []
     assert [path.name for path in tmp_path.iterdir() if "lcmtools" in path.name] == []
 
 
 def test_start_says_what_to_type_runs_the_simulator_and_refuses_a_second_one(
-    start: Callable[..., object], cli: Run, lcmtools_path: str, bus_url: str
-) -> None:
+    start, cli, lcmtools_path, bus_url
+):
     bus = {"LCM_DEFAULT_URL": bus_url}
     program = start(lcmtools_path, "lab", "start", "dolly", "--rate", "2", **bus)
-    program.wait_for("lcmtools run moving_robot")  # type: ignore[attr-defined]
-    program.wait_for("simulating dolly", 30.0)  # type: ignore[attr-defined]
+    program.wait_for("lcmtools run moving_robot")
+    program.wait_for("simulating dolly", 30.0)
     second = cli("lab", "start", "dolly", env=bus)
     assert second.code == 1
     assert "/gazebo is already running on this bus" in second.err
-    program.send_signal(signal.SIGINT)  # type: ignore[attr-defined]
-    assert program.wait() == 0  # type: ignore[attr-defined]
+    program.send_signal(signal.SIGINT)
+    assert program.wait() == 0
 
 
-def test_list_shows_the_labs_and_their_programs(cli: Run) -> None:
+def test_list_shows_the_labs_and_their_programs(cli):
     assert [row.split()[0] for row in cli("lab", "list").out.splitlines()] == [
         "husky",
         "pioneer",

@@ -2,11 +2,8 @@
 
 import json
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 
 SELECTING = """
 import select, sys, termios, tty
@@ -163,12 +160,7 @@ lcmtools.spin(Follower())
         ("path", ARRIVES),
     ],
 )
-def test_a_program_of_another_style_is_right(
-    option: str,
-    source: str,
-    cli: Callable[..., Result],
-    tmp_path: Path,
-) -> None:
+def test_a_program_of_another_style_is_right(option, source, cli, tmp_path):
     script = tmp_path / "program.py"
     script.write_text(source)
     command = f"{sys.executable} {script}"

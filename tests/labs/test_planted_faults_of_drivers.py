@@ -1,15 +1,9 @@
 """lab check of programs that drive, with a planted fault: the cause is named, and once."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
-
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
-Check = Callable[..., list[dict[str, Any]]]
 
 TELEOP = """
 import sys, tty
@@ -174,7 +168,7 @@ lcmtools.spin(Unstopped())
         ("raw", "in a raw terminal Ctrl-C is the key"),
     ],
 )
-def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Check) -> None:
+def test_the_cause_of_wrong_keys_is_named_once(fault, words, check):
     first, *others = check("pioneer", "teleop", TELEOP, fault)
     assert words in first["hint"]
     assert all(other["follows"] == first["what"] for other in others), others
@@ -187,9 +181,7 @@ def test_the_cause_of_wrong_keys_is_named_once(fault: str, words: str, check: Ch
         ("timer", "none within", "a period of 500 s; if 500 ms are meant, write 0.5"),
     ],
 )
-def test_the_cause_of_a_wrong_mover_is_named(
-    fault: str, measured: str, words: str, check: Check
-) -> None:
+def test_the_cause_of_a_wrong_mover_is_named(fault, measured, words, check):
     first, *others = check("dolly", "mover", MOVER, fault)
     assert str(first["measured"]).startswith(measured)
     assert words in first["hint"]
@@ -203,9 +195,7 @@ def test_the_cause_of_a_wrong_mover_is_named(
         ("ended", "it gets no farther than ("),
     ],
 )
-def test_the_cause_of_a_path_that_is_not_followed_is_named(
-    fault: str, words: str, check: Check
-) -> None:
+def test_the_cause_of_a_path_that_is_not_followed_is_named(fault, words, check):
     first, *others = check("pioneer", "path", FOLLOWER, fault)
     assert first["what"] == "drives the path"
     assert words in first["hint"]
@@ -221,21 +211,21 @@ def test_the_cause_of_a_path_that_is_not_followed_is_named(
         ("yaw", "its turns fit orientation.z in place of the heading"),
     ],
 )
-def test_a_mistake_in_the_angle_to_the_path_is_named(fault: str, words: str, check: Check) -> None:
+def test_a_mistake_in_the_angle_to_the_path_is_named(fault, words, check):
     first, *others = check("pioneer", "path", WRONG_ANGLE, fault)
     assert first["cause"] == "angle", first
     assert words in first["hint"]
     assert all(other["follows"] == first["what"] for other in others), others
 
 
-def test_a_program_that_ends_and_leaves_its_robot_driving_is_not_right(check: Check) -> None:
+def test_a_program_that_ends_and_leaves_its_robot_driving_is_not_right(check):
     (row,) = check("pioneer", "path", UNSTOPPED, "no-stop")
     assert row["what"] == "stops at the end"
     assert str(row["measured"]).startswith("+0.400 m/s")
     assert "publish a final Twist of 0" in row["hint"]
 
 
-def test_a_program_that_goes_on_at_the_end_of_the_path_is_not_right(check: Check) -> None:
+def test_a_program_that_goes_on_at_the_end_of_the_path_is_not_right(check):
     called, end = (
         "        super()._odometry_callback(odometry)\n",
         "            lcmtools.shutdown()\n",
@@ -246,7 +236,7 @@ def test_a_program_that_goes_on_at_the_end_of_the_path_is_not_right(check: Check
     assert "at the last point publish a Twist of 0" in row["hint"]
 
 
-def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
+def test_a_robot_that_got_stuck_says_on_what_and_where(check):
     first, circle = check("dolly", "mover", MOVER, "velocity")
     assert first["measured"] == "0.5 m/s, 0 rad/s"
     assert "set linear.x and angular.z" in first["hint"]
@@ -255,7 +245,7 @@ def test_a_robot_that_got_stuck_says_on_what_and_where(check: Check) -> None:
 
 
 @pytest.fixture
-def class_folder(tmp_path: Path) -> Iterator[Path]:
+def class_folder(tmp_path):
     folder = tmp_path / "class"
     (folder / "anna" / "anna").mkdir(parents=True)
     source = "def main(): pass\n" + MOVER.replace("sys.argv[1]", "''")
@@ -269,11 +259,7 @@ def class_folder(tmp_path: Path) -> Iterator[Path]:
     assert sorted(path.name for path in folder.iterdir()) == ["anna", "bo.py", "cy"]
 
 
-def test_a_class_is_checked_with_a_table_a_report_and_pictures(
-    class_folder: Path,
-    tmp_path: Path,
-    cli: Callable[..., Result],
-) -> None:
+def test_a_class_is_checked_with_a_table_a_report_and_pictures(class_folder, tmp_path, cli):
     files = ("--junit", str(tmp_path / "class.xml"), "--plot", str(tmp_path / "plot.png"))
     command = ("lab", "check", "dolly", "--programs", str(class_folder), "--jobs", "2", *files)
     result = cli(*command)

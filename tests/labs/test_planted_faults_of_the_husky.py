@@ -2,15 +2,10 @@
 
 import json
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
-Check = Callable[..., list[dict[str, Any]]]
 
 CONTROLLER = """
 import sys, time
@@ -178,9 +173,7 @@ lcmtools.spin(Evaluator())
         ("sometimes", "raises no exception", "callback of /husky0/odometry raised"),
     ],
 )
-def test_the_cause_of_a_wrong_controller_is_named_once(
-    fault: str, row: str, words: str, check: Check
-) -> None:
+def test_the_cause_of_a_wrong_controller_is_named_once(fault, row, words, check):
     first, *others = check("husky", "controller", CONTROLLER, fault)
     assert first["what"] == row, first
     assert first["cause"] == {
@@ -223,9 +216,7 @@ def test_the_cause_of_a_wrong_controller_is_named_once(
         ("late", "samples", "count a sample before you publish it"),
     ],
 )
-def test_a_wrong_statistic_of_an_evaluator_is_named(
-    fault: str, row: str, words: str, check: Check
-) -> None:
+def test_a_wrong_statistic_of_an_evaluator_is_named(fault, row, words, check):
     first, *others = check("husky", "evaluator", EVALUATOR, fault)
     assert first["what"] == row, first
     assert words in first["hint"]
@@ -237,11 +228,8 @@ def test_a_wrong_statistic_of_an_evaluator_is_named(
     [("clock", []), ("twice", ["2 nodes have the name /husky0/simple_controller"])],
 )
 def test_a_program_is_right_that_goes_by_the_real_clock_or_has_what_wtf_notes(
-    fault: str,
-    findings: list[str],
-    cli: Callable[..., Result],
-    tmp_path: Path,
-) -> None:
+    fault, findings, cli, tmp_path
+):
     script = tmp_path / "program.py"
     script.write_text(CONTROLLER)
     command = f"{sys.executable} {script} {fault}"

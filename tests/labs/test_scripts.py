@@ -5,7 +5,6 @@ import re
 import signal
 import socket
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,7 @@ LABS = Path(__file__).parents[2] / "labs"
 LEAST_CHECKS = {"husky": 25, "pioneer": 24, "dolly": 16}
 
 
-def free_domain() -> str:
+def free_domain():
     """A domain whose bus nobody is on, among those of this worker of the tests."""
     worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
     for domain in range(100 + worker % 8 * 16, 116 + worker % 8 * 16):
@@ -28,7 +27,7 @@ def free_domain() -> str:
     pytest.fail("no free domain")
 
 
-def environment(lcmtools_path: str, tmp_path: Path) -> dict[str, str]:
+def environment(lcmtools_path, tmp_path):
     return {
         "PATH": f"{Path(lcmtools_path).parent}:{os.environ['PATH']}",
         "LCMTOOLS_DOMAIN": free_domain(),
@@ -38,9 +37,7 @@ def environment(lcmtools_path: str, tmp_path: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("lab", LEAST_CHECKS)
-def test_everything_in_the_lab_works(
-    lab: str, lcmtools_path: str, tmp_path: Path, left_over: Callable[[], list[str]]
-) -> None:
+def test_everything_in_the_lab_works(lab, lcmtools_path, tmp_path, left_over):
     result = subprocess.run(
         ["bash", str(LABS / lab / "lab.sh")],  # noqa: S607 - bash is where the system has it
         env={**os.environ, **environment(lcmtools_path, tmp_path)},
@@ -60,24 +57,18 @@ def test_everything_in_the_lab_works(
 
 
 def test_a_lab_that_is_broken_off_leaves_nothing_behind(
-    lcmtools_path: str,
-    tmp_path: Path,
-    start: Callable[..., object],
-    left_over: Callable[[], list[str]],
-    wait_until: Callable[..., None],
-) -> None:
+    lcmtools_path, tmp_path, start, left_over, wait_until
+):
     script = str(LABS / "husky" / "lab.sh")
     lab = start("bash", script, **environment(lcmtools_path, tmp_path))
-    lab.wait_for("/husky0/odometry", 60.0)  # type: ignore[attr-defined] # the Program of conftest
-    lab.send_signal(signal.SIGTERM)  # type: ignore[attr-defined]
-    assert lab.wait(30.0) == 143  # type: ignore[attr-defined]
+    lab.wait_for("/husky0/odometry", 60.0)
+    lab.send_signal(signal.SIGTERM)
+    assert lab.wait(30.0) == 143
     wait_until(lambda: left_over() == [])
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_lab_whose_simulator_does_not_start_says_so_and_fails(
-    lcmtools_path: str, tmp_path: Path, left_over: Callable[[], list[str]]
-) -> None:
+def test_a_lab_whose_simulator_does_not_start_says_so_and_fails(lcmtools_path, tmp_path, left_over):
     fake = tmp_path / "bin"
     fake.mkdir()
     (fake / "lcmtools").write_text(

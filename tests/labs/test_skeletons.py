@@ -1,15 +1,9 @@
 """Skeletons pass the check of their lab when their TODOs are filled in, and nothing else."""
 
 import sys
-from collections.abc import Callable
-from pathlib import Path
 from textwrap import dedent, indent
-from typing import Any
 
 import pytest
-from fixtures.command import Result
-
-Run = Callable[..., Result]
 
 REMOVE = "# remove this line"
 FILLED = {
@@ -131,7 +125,7 @@ CHECKS = {
 }
 
 
-def fill(name: str, cli: Run, folder: Path) -> Path:
+def fill(name, cli, folder):
     """Copy a skeleton and fill it in."""
     path = folder / f"{name}.py"
     assert cli("lab", "skeleton", name, str(folder)).code == 0
@@ -145,9 +139,7 @@ def fill(name: str, cli: Run, folder: Path) -> Path:
 
 @pytest.mark.usefixtures("quiet_network")
 @pytest.mark.parametrize("name", CHECKS)
-def test_a_skeleton_passes_its_check_when_only_its_todos_are_filled(
-    name: str, cli: Run, tmp_path: Path
-) -> None:
+def test_a_skeleton_passes_its_check_when_only_its_todos_are_filled(name, cli, tmp_path):
     path = fill(name, cli, tmp_path)
     lab, option = CHECKS[name]
 
@@ -157,12 +149,8 @@ def test_a_skeleton_passes_its_check_when_only_its_todos_are_filled(
 
 
 def test_the_talker_is_heard_by_the_listener_when_both_are_filled(
-    cli: Run,
-    start: Callable[..., Any],
-    bus_url: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    cli, start, bus_url, tmp_path, monkeypatch
+):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     listener = start(sys.executable, str(fill("listener", cli, tmp_path)))
     start(sys.executable, str(fill("talker", cli, tmp_path)), "__name:=mine")

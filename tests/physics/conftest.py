@@ -1,6 +1,5 @@
 """Fixtures of the physics tests: worlds in the engine, without a bus and without a wall clock."""
 
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
 import pytest
@@ -9,20 +8,18 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject
+from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.simulation import Simulation
 
 START = Pose()
 
 
 @pytest.fixture
-def simulate() -> Iterator[Callable[..., Simulation]]:
+def simulate():
     """Makes simulations of one Husky (or the scene given), ended with the test."""
     with ExitStack() as owned:
 
-        def make(
-            *things: SceneObject, pose: Pose = START, scene: Scene | None = None
-        ) -> Simulation:
+        def make(*things, pose=START, scene=None):
             robots = (RobotPlacement(HUSKY, "/husky0", pose),)
             scene = scene or Scene("test", objects=things, robots=robots)
             return owned.enter_context(Simulation(scene))
@@ -31,10 +28,10 @@ def simulate() -> Iterator[Callable[..., Simulation]]:
 
 
 @pytest.fixture
-def effort() -> Callable[[float, float], JointState]:
+def effort():
     """Makes effort commands for left and right."""
 
-    def make(left: float, right: float) -> JointState:
+    def make(left, right):
         message = JointState()
         message.name, message.effort = ["left", "right"], [left, right]
         return message
@@ -43,10 +40,10 @@ def effort() -> Callable[[float, float], JointState]:
 
 
 @pytest.fixture
-def twist() -> Callable[[float, float], Twist]:
+def twist():
     """Makes velocity commands of forward speed [m/s] and turn rate [rad/s]."""
 
-    def make(forward: float, turn_rate: float) -> Twist:
+    def make(forward, turn_rate):
         message = Twist()
         message.linear.x, message.angular.z = forward, turn_rate
         return message

@@ -1,33 +1,25 @@
 """A bumper's contacts: the body, the place and the force; none without a contact."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from lcmtools.types.gazebo_msgs import ContactsState
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots import MODELS
-from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
+from lcmtools_sim.scene import RobotPlacement, Scene, box
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.simulation import Simulation
 
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
-Place = Callable[..., Simulation]
-
+_CENTER = Pose()
 WALL = box("wall", (0.2, 10, 1), Pose(2.1, 0, 0.5))
 
 
 @pytest.fixture
-def place(simulate: Simulate) -> Place:
+def place(simulate):
     """Makes a simulation of robots with bumpers, measured at every step."""
 
-    def make(
-        *things: SceneObject, model: str = "husky", poses: tuple[Pose, ...] = (Pose(),)
-    ) -> Simulation:
+    def make(*things, model="husky", poses=(_CENTER,)):
         bumper = SensorMount("bumper", "bumper", 240.0)
         robot = replace(MODELS[model], sensors=(bumper,))
         robots = tuple(RobotPlacement(robot, f"/r{i}", pose) for i, pose in enumerate(poses))
@@ -36,7 +28,7 @@ def place(simulate: Simulate) -> Place:
     return make
 
 
-def touches(simulation: Simulation, seconds: float, robot: str = "/r0") -> list[ContactsState]:
+def touches(simulation, seconds, robot="/r0"):
     found = []
     for _ in range(round(seconds * 240)):
         samples = {sample.topic: sample.message for sample in simulation.step()}
@@ -47,9 +39,7 @@ def touches(simulation: Simulation, seconds: float, robot: str = "/r0") -> list[
 
 
 @pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
-def test_standing_and_driving_on_the_ground_touch_nothing(
-    place: Place, twist: Steer, model: str
-) -> None:
+def test_standing_and_driving_on_the_ground_touch_nothing(place, twist, model):
     simulation = place(model=model)
     still = touches(simulation, 1.0)
     simulation.robots[0].command(twist(0.5, 1.0))
@@ -59,9 +49,7 @@ def test_standing_and_driving_on_the_ground_touch_nothing(
 
 @pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
 @pytest.mark.parametrize("backwards", [False, True])
-def test_a_wall_is_named_and_its_normal_points_to_the_robot(
-    place: Place, twist: Steer, model: str, *, backwards: bool
-) -> None:
+def test_a_wall_is_named_and_its_normal_points_to_the_robot(place, twist, model, *, backwards):
     simulation = place(WALL, model=model, poses=(Pose(yaw=math.pi if backwards else 0),))
     simulation.robots[0].command(twist(-0.5 if backwards else 0.5, 0.0))
 
@@ -77,7 +65,7 @@ def test_a_wall_is_named_and_its_normal_points_to_the_robot(
     assert touch.total_wrench.force.x * back > 0
 
 
-def test_the_force_on_a_wall_is_what_the_tyres_can_give(place: Place, twist: Steer) -> None:
+def test_the_force_on_a_wall_is_what_the_tyres_can_give(place, twist):
     # 56.6 kg on tyres of friction 0.8 push with at most that.
     simulation = place(WALL)
     simulation.robots[0].command(twist(1.0, 0.0))
@@ -91,7 +79,7 @@ def test_the_force_on_a_wall_is_what_the_tyres_can_give(place: Place, twist: Ste
     assert -sum(forces) / len(forces) == pytest.approx(body.mass * 9.81 * 0.8, rel=0.05)
 
 
-def test_two_robots_that_meet_tell_each_others_names(place: Place, twist: Steer) -> None:
+def test_two_robots_that_meet_tell_each_others_names(place, twist):
     simulation = place(poses=(Pose(), Pose(2.0, 0, 0, yaw=math.pi)))
     for robot in simulation.robots:
         robot.command(twist(0.5, 0.0))
@@ -103,7 +91,7 @@ def test_two_robots_that_meet_tell_each_others_names(place: Place, twist: Steer)
     assert [touch.collision2_name for touch in second.states] == ["/r0"]
 
 
-def test_backing_off_ends_the_touch(place: Place, twist: Steer) -> None:
+def test_backing_off_ends_the_touch(place, twist):
     simulation = place(WALL)
     simulation.robots[0].command(twist(1.0, 0.0))
     assert touches(simulation, 4.0)[-1].states

@@ -1,38 +1,28 @@
 """Walls stop a Husky, boxes are pushed, and another robot is another robot. Metres, m/s, kg."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.engines import chosen_engine
 from lcmtools_sim.geometry import Pose, axes
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
-from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.scene import RobotPlacement, Scene, box
 from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world
-
-Simulate = Callable[..., Simulation]
-Effort = Callable[[float, float], JointState]
-Steer = Callable[[float, float], Twist]
 
 FRONT = 0.9874 / 2
 WALL = box("wall", (0.2, 10, 1), Pose(3.1, 0, 0.5))
 
 
 @pytest.fixture
-def simulate(simulate: Simulate) -> Simulate:
+def simulate(simulate):
     """Makes simulations that measure nothing: these tests read the robots' states."""
 
-    def make(*objects: SceneObject, **options: Any) -> Simulation:
+    def make(*objects, **options):
         simulation = simulate(*objects, **options)
         simulation.select(lambda _: Subscribers.NONE)
         return simulation
@@ -40,7 +30,7 @@ def simulate(simulate: Simulate) -> Simulate:
     return make
 
 
-def states(simulation: Simulation, seconds: float, robot: int = 0) -> list[RobotState]:
+def states(simulation, seconds, robot=0):
     found = []
     for _ in range(round(seconds / simulation.scene.dt)):
         simulation.step()
@@ -48,16 +38,14 @@ def states(simulation: Simulation, seconds: float, robot: int = 0) -> list[Robot
     return found
 
 
-def tilt(state: RobotState) -> float:
+def tilt(state):
     """Angle of the robot's up axis to the vertical [rad]."""
     up = axes(state.rotation)[2]
     return math.atan2(math.hypot(up[0], up[1]), up[2])
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, math.pi])
-def test_a_wall_stops_it_at_contact_without_pitching(
-    simulate: Simulate, effort: Effort, yaw: float
-) -> None:
+def test_a_wall_stops_it_at_contact_without_pitching(simulate, effort, yaw):
     simulation = simulate(WALL, pose=Pose(0, 0, 0, yaw=yaw))
     share = -1.0 if yaw == math.pi else 1.0  # backwards
     simulation.robots[0].command(effort(share, share))
@@ -72,9 +60,7 @@ def test_a_wall_stops_it_at_contact_without_pitching(
         assert run[-1].velocity == pytest.approx((0, 0, 0), abs=0.001)
 
 
-def test_its_wheels_slip_at_a_wall_so_that_odometry_runs_ahead_of_the_truth(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_its_wheels_slip_at_a_wall_so_that_odometry_runs_ahead_of_the_truth(simulate, effort):
     simulation = simulate(WALL)
     simulation.robots[0].command(effort(1, 1))
 
@@ -84,7 +70,7 @@ def test_its_wheels_slip_at_a_wall_so_that_odometry_runs_ahead_of_the_truth(
     assert end.position[0] == pytest.approx(2.506, abs=0.01)
 
 
-def test_it_comes_away_from_a_wall(simulate: Simulate, effort: Effort) -> None:
+def test_it_comes_away_from_a_wall(simulate, effort):
     simulation = simulate(WALL)
     simulation.robots[0].command(effort(1, 1))
     states(simulation, 5.0)
@@ -99,9 +85,7 @@ def test_it_comes_away_from_a_wall(simulate: Simulate, effort: Effort) -> None:
 @pytest.mark.parametrize("dt", [1 / 120, 1 / 240])
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("forward", [9.0, -9.0])
-def test_a_thin_wall_does_not_let_it_through_at_full_speed(
-    simulate: Simulate, twist: Steer, model: str, dt: float, forward: float
-) -> None:
+def test_a_thin_wall_does_not_let_it_through_at_full_speed(simulate, twist, model, dt, forward):
     # Sheets of 10 mm; a Dolly at 2 m/s goes 17 mm in the longer step.
     sheets = tuple(box(f"sheet{x}", (0.01, 10, 1), Pose(x, 0, 0.5)) for x in (-4.0, 4.0))
     robot = RobotPlacement(MODELS[model], "/a")
@@ -115,7 +99,7 @@ def test_a_thin_wall_does_not_let_it_through_at_full_speed(
     assert max(map(tilt, run)) < 0.35
 
 
-def test_it_pushes_a_box_of_20_kg_at_nearly_full_speed(simulate: Simulate, effort: Effort) -> None:
+def test_it_pushes_a_box_of_20_kg_at_nearly_full_speed(simulate, effort):
     crate = box("crate", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=20, friction=0.6)
     simulation = simulate(crate)
     simulation.robots[0].command(effort(1, 1))
@@ -126,9 +110,7 @@ def test_it_pushes_a_box_of_20_kg_at_nearly_full_speed(simulate: Simulate, effor
     assert max(map(tilt, run)) < math.radians(2)
 
 
-def test_it_stalls_at_a_box_of_100_kg_whose_friction_is_above_its_own(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_it_stalls_at_a_box_of_100_kg_whose_friction_is_above_its_own(simulate, effort):
     # 100 kg x 0.9 x 9.81 = 883 N against 56.6 kg x 0.8 x 9.81 = 444 N.
     block = box("block", (0.6, 0.6, 0.6), Pose(2, 0, 0.3), mass=100, friction=0.9)
     simulation = simulate(block)
@@ -140,9 +122,7 @@ def test_it_stalls_at_a_box_of_100_kg_whose_friction_is_above_its_own(
     assert end.velocity[0] == pytest.approx(0.0, abs=0.02)
 
 
-def test_the_labs_world_leaves_its_straight_run_and_its_circles_free(
-    simulate: Simulate, effort: Effort, twist: Steer
-) -> None:
+def test_the_labs_world_leaves_its_straight_run_and_its_circles_free(simulate, effort, twist):
     scene = read_scene(*find_world("husky"))
     straight = simulate(scene=scene)
     straight.robots[0].command(effort(1, 1))
@@ -155,7 +135,7 @@ def test_the_labs_world_leaves_its_straight_run_and_its_circles_free(
         assert math.dist(end.position[:2], end.odometry_pose[:2]) < 0.01
 
 
-def test_the_labs_yard_is_closed(simulate: Simulate, effort: Effort) -> None:
+def test_the_labs_yard_is_closed(simulate, effort):
     scene = read_scene(*find_world("husky"))
     simulation = simulate(scene=scene)
     simulation.robots[0].command(effort(1, 1))
@@ -166,9 +146,7 @@ def test_the_labs_yard_is_closed(simulate: Simulate, effort: Effort) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_robots_apart_do_not_influence_each_other(
-    simulate: Simulate, effort: Effort, twist: Steer, model: str
-) -> None:
+def test_robots_apart_do_not_influence_each_other(simulate, effort, twist, model):
     robots = tuple(
         RobotPlacement(MODELS[kind], f"/r{i}", Pose(0, 5 * i, 0, yaw=0.3 * i))
         for i, kind in enumerate((model, "husky", "dolly", "pioneer"))
@@ -189,9 +167,7 @@ def test_robots_apart_do_not_influence_each_other(
     assert all_of_them.robots[1].state(all_of_them.time).velocity[0] == pytest.approx(-0.85, 0.02)
 
 
-def test_two_robots_that_meet_do_not_drive_through_each_other(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_two_robots_that_meet_do_not_drive_through_each_other(simulate, effort):
     pair = (
         RobotPlacement(HUSKY, "/a", Pose()),
         RobotPlacement(HUSKY, "/b", Pose(4, 0, 0, yaw=math.pi)),
@@ -206,7 +182,7 @@ def test_two_robots_that_meet_do_not_drive_through_each_other(
     assert math.dist(first, second) > 2 * FRONT - 0.02
 
 
-def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate: Simulate) -> None:
+def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate):
     simulation = simulate(box("block", (1, 1, 1), Pose(FRONT + 0.5 - 0.015, 0, 0.5)))
 
     end = states(simulation, 2.0)[-1]
@@ -222,8 +198,8 @@ def test_a_robot_that_starts_slightly_inside_a_wall_is_pushed_out(simulate: Simu
     ],
 )
 def test_a_robot_that_starts_inside_something_is_refused_with_its_line(
-    simulate: Simulate, thing: SceneObject, pose: Pose, other: str
-) -> None:
+    simulate, thing, pose, other
+):
     robot = RobotPlacement(HUSKY, "/husky0", pose, where="yard.yaml:7")
 
     with pytest.raises(InvalidFile) as caught:
@@ -235,9 +211,7 @@ def test_a_robot_that_starts_inside_something_is_refused_with_its_line(
 @pytest.mark.parametrize(
     ("model", "front"), [("husky", FRONT), ("pioneer", 0.1875), ("dolly", 0.2)]
 )
-def test_what_touches_a_wall_is_what_can_be_seen_of_it(
-    simulate: Simulate, twist: Steer, model: str, front: float
-) -> None:
+def test_what_touches_a_wall_is_what_can_be_seen_of_it(simulate, twist, model, front):
     # The feet stay within the outline: on one foot in front it would turn aside, too.
     scene = Scene("wall", objects=(WALL,), robots=(RobotPlacement(MODELS[model], "/r0"),))
     simulation = simulate(scene=scene)

@@ -1,7 +1,6 @@
 """The simulator's services act as they say; on a node that is not on any bus."""
 
 import math
-from collections.abc import Callable
 from io import BytesIO
 
 import numpy as np
@@ -11,31 +10,25 @@ from PIL import Image
 from lcmtools.errors import UsageError
 from lcmtools.messages.codec import encode
 from lcmtools.types import sim_msgs, std_srvs
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.control import Control
 from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.scene import Scene, box
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import Sample, Simulation
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
+from lcmtools_sim.simulation import Simulation
 
 
 class Offered:
     """A node that keeps the services it is given, and calls them."""
 
-    def __init__(self) -> None:
-        self.services: dict[str, tuple[type, Callable[[object, object], object]]] = {}
+    def __init__(self):
+        self.services = {}
 
-    def create_service(
-        self, pair: type, name: str, callback: Callable[[object, object], object]
-    ) -> None:
+    def create_service(self, pair, name, callback):
         """Keep it."""
         self.services[name] = pair, callback
 
-    def call(self, name: str, **fields: object) -> object:
+    def call(self, name, **fields):
         """Call one with a request of these fields."""
         pair, callback = self.services[f"~{name}"]
         request = pair.Request()
@@ -49,61 +42,59 @@ class Offered:
 class Outside:
     """Surroundings that count what is published."""
 
-    def __init__(self) -> None:
-        self.published: list[list[Sample]] = []
+    def __init__(self):
+        self.published = []
 
-    def receive(self, timeout: float = 0.0) -> None:
+    def receive(self, timeout=0.0):
         """Nothing comes."""
         del timeout
 
-    def find_subscribers(self) -> None:
+    def find_subscribers(self):
         """Everything is heard here."""
 
-    def publish(self, samples: list[Sample]) -> None:
+    def publish(self, samples):
         """Keep them."""
         self.published.append(samples)
 
-    def publish_clock(self) -> None:
+    def publish_clock(self):
         """Nobody looks at it here."""
 
-    def warn(self, text: str) -> None:
+    def warn(self, text):
         """No warning is expected."""
         raise AssertionError(text)
 
 
 @pytest.fixture
-def outside() -> Outside:
+def outside():
     return Outside()
 
 
 @pytest.fixture
-def simulation(simulate: Simulate) -> Simulation:
+def simulation(simulate):
     crate = box("crate", (0.5, 0.5, 0.5), Pose(2, -3, 0.25), mass=5)
     return simulate(crate, box("wall", (0.5, 0.5, 0.5), Pose(-2, -3, 0.25)))
 
 
 @pytest.fixture
-def changes() -> list[str]:
+def changes():
     """One entry for each time that robots have come or gone."""
     return []
 
 
 @pytest.fixture
-def node(simulation: Simulation, outside: Outside, changes: list[str]) -> Offered:
+def node(simulation, outside, changes):
     offered = Offered()
     loop = Loop(simulation, outside, Pacer(0.0), go_on=lambda: True)
     Control(offered, simulation, loop, lambda: changes.append("changed"))
     return offered
 
 
-def paused(node: Offered) -> Offered:
+def paused(node):
     node.call("pause")
     return node
 
 
-def test_steps_are_done_at_once_and_only_while_it_is_paused(
-    node: Offered, simulation: Simulation, outside: Outside
-) -> None:
+def test_steps_are_done_at_once_and_only_while_it_is_paused(node, simulation, outside):
     refused = node.call("step", steps=5)
     assert (refused.success, simulation.steps) == (False, 0)
     assert refused.message == "the simulator is not paused; pause it first"
@@ -114,12 +105,10 @@ def test_steps_are_done_at_once_and_only_while_it_is_paused(
     assert len(outside.published) == 48
 
 
-def test_a_request_for_steps_is_refused_while_those_of_another_wait(
-    simulation: Simulation, outside: Outside
-) -> None:
+def test_a_request_for_steps_is_refused_while_those_of_another_wait(simulation, outside):
     offered, refused = Offered(), []
 
-    def wait(_: Callable[[], bool]) -> bool:
+    def wait(_):
         """Answer another request between two steps, as a wait for followers does."""
         if simulation.steps == 3:
             refused.append(offered.call("step", steps=5))
@@ -139,14 +128,14 @@ def test_a_request_for_steps_is_refused_while_those_of_another_wait(
 
 
 @pytest.mark.parametrize("steps", [0, -3, 10**9])
-def test_a_senseless_number_of_steps_is_refused(node: Offered, steps: int) -> None:
+def test_a_senseless_number_of_steps_is_refused(node, steps):
     response = paused(node).call("step", steps=steps)
 
     assert not response.success
     assert response.message == f"steps must be from 1 to 1000000, not {steps}"
 
 
-def test_a_follower_has_no_time_of_its_own() -> None:
+def test_a_follower_has_no_time_of_its_own():
     offered = Offered()
     with Simulation(Scene("test"), leads=False) as simulation:
         Control(offered, simulation, Loop(simulation, Outside(), Pacer(0.0), go_on=bool), list)
@@ -158,10 +147,8 @@ def test_a_follower_has_no_time_of_its_own() -> None:
     assert [(one.success, one.message) for one in refused] == [(False, reason)] * 2
 
 
-def test_reset_brings_the_same_start_to_the_bit(
-    node: Offered, simulation: Simulation, outside: Outside, twist: Steer
-) -> None:
-    def course() -> list[bytes]:
+def test_reset_brings_the_same_start_to_the_bit(node, simulation, outside, twist):
+    def course():
         simulation.robots[0].command(twist(0.5, 0.3))
         outside.published.clear()
         node.call("step", steps=480)
@@ -178,16 +165,14 @@ def test_reset_brings_the_same_start_to_the_bit(
     assert course() == first
 
 
-def pose(x: float, y: float, yaw: float) -> sim_msgs.SetPose_Request:
+def pose(x, y, yaw):
     message = sim_msgs.SetPose_Request().pose
     message.position.x, message.position.y = x, y
     message.orientation.z, message.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
     return message
 
 
-def test_a_robot_is_put_elsewhere_at_rest_and_its_state_says_so(
-    node: Offered, simulation: Simulation, twist: Steer
-) -> None:
+def test_a_robot_is_put_elsewhere_at_rest_and_its_state_says_so(node, simulation, twist):
     simulation.robots[0].command(twist(1.0, 0.0))
     paused(node).call("step", steps=480)
 
@@ -202,9 +187,7 @@ def test_a_robot_is_put_elsewhere_at_rest_and_its_state_says_so(
     assert state.twist.linear.x == pytest.approx(0, abs=0.01)
 
 
-def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(
-    node: Offered, simulation: Simulation, twist: Steer
-) -> None:
+def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(node, simulation, twist):
     paused(node)
     node.call("spawn", model="husky", robot="/husky1", pose=pose(0, 3, 0))
     simulation.robots[0].command(twist(1.0, 0.0))
@@ -222,9 +205,7 @@ def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(
     assert stood.position[:2] == pytest.approx((0.0, 3.0), abs=1e-3)
 
 
-def test_an_object_that_can_be_pushed_is_put_elsewhere_too(
-    node: Offered, simulation: Simulation
-) -> None:
+def test_an_object_that_can_be_pushed_is_put_elsewhere_too(node, simulation):
     paused(node).call("set_pose", robot="crate", pose=pose(-3, 4, 1.2))
     node.call("step", steps=24)
 
@@ -238,7 +219,7 @@ def test_an_object_that_can_be_pushed_is_put_elsewhere_too(
     assert refused.message == "there is no robot or movable object 'crat'; did you mean crate?"
 
 
-def test_of_two_objects_with_one_name_the_second_has_a_number(simulate: Simulate) -> None:
+def test_of_two_objects_with_one_name_the_second_has_a_number(simulate):
     crates = [box("crate", (0.5, 0.5, 0.5), Pose(x, 4, 0.25), mass=5) for x in (2, 4)]
     first, second = simulate(*crates).objects
 
@@ -246,13 +227,13 @@ def test_of_two_objects_with_one_name_the_second_has_a_number(simulate: Simulate
         second.place(first.frame.pose())
 
 
-def test_an_object_that_stands_for_ever_is_not_put_elsewhere(node: Offered) -> None:
+def test_an_object_that_stands_for_ever_is_not_put_elsewhere(node):
     response = node.call("set_pose", robot="wall", pose=pose(-3, 4, 1.2))
 
     assert response.message == "there is no robot or movable object 'wall'; known: /husky0, crate"
 
 
-def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list[str]) -> None:
+def test_robots_come_and_go(node, simulation, changes):
     paused(node)
     assert node.call("spawn", model="dolly", robot="/dolly", pose=pose(-3, 0, 0)).success
     assert "/dolly/laser_scan" in simulation.topics()
@@ -297,13 +278,8 @@ def test_robots_come_and_go(node: Offered, simulation: Simulation, changes: list
     ],
 )
 def test_what_cannot_be_done_is_said_and_changes_nothing(
-    node: Offered,
-    simulation: Simulation,
-    changes: list[str],
-    service: str,
-    fields: dict[str, object],
-    message: str,
-) -> None:
+    node, simulation, changes, service, fields, message
+):
     before = simulation.robots[0].state(0)
 
     response = node.call(service, **fields)
@@ -313,7 +289,7 @@ def test_what_cannot_be_done_is_said_and_changes_nothing(
     assert changes == []
 
 
-def test_a_pose_without_a_rotation_is_refused(node: Offered) -> None:
+def test_a_pose_without_a_rotation_is_refused(node):
     request = sim_msgs.SetPose_Request()
 
     response = node.call("set_pose", robot="/husky0", pose=request.pose)
@@ -322,7 +298,7 @@ def test_a_pose_without_a_rotation_is_refused(node: Offered) -> None:
 
 
 @pytest.mark.parametrize("length", [1e-9, 1e6])
-def test_a_quaternion_has_any_length(node: Offered, simulation: Simulation, length: float) -> None:
+def test_a_quaternion_has_any_length(node, simulation, length):
     turned = pose(-3, 4, 1)
     turned.orientation.z *= length
     turned.orientation.w *= length
@@ -333,7 +309,7 @@ def test_a_quaternion_has_any_length(node: Offered, simulation: Simulation, leng
     assert yaw_of(simulation.robots[0].frame.rotation) == pytest.approx(1)
 
 
-def test_a_robot_is_not_put_up_inside_another(node: Offered, simulation: Simulation) -> None:
+def test_a_robot_is_not_put_up_inside_another(node, simulation):
     response = node.call("spawn", model="dolly", robot="/dolly", pose=pose(0.2, 0, 0))
 
     assert not response.success
@@ -341,7 +317,7 @@ def test_a_robot_is_not_put_up_inside_another(node: Offered, simulation: Simulat
     assert [robot.namespace for robot in simulation.robots] == ["/husky0"]
 
 
-def test_pause_and_resume_say_what_was(node: Offered) -> None:
+def test_pause_and_resume_say_what_was(node):
     assert [node.call(s).message for s in ("resume", "pause", "pause", "resume")] == [
         "was not paused",
         "paused",
@@ -352,7 +328,7 @@ def test_pause_and_resume_say_what_was(node: Offered) -> None:
 
 
 @pytest.mark.parametrize("robot", ["", "/husky0"])
-def test_a_snapshot_is_a_png_of_the_size_that_is_asked_for(node: Offered, robot: str) -> None:
+def test_a_snapshot_is_a_png_of_the_size_that_is_asked_for(node, robot):
     response = node.call("snapshot", robot=robot, width=320, height=200)
 
     picture = np.asarray(Image.open(BytesIO(response.image.data)))
@@ -362,7 +338,7 @@ def test_a_snapshot_is_a_png_of_the_size_that_is_asked_for(node: Offered, robot:
     assert 0.002 < yellow.mean() < 0.3  # the Husky is in it
 
 
-def test_a_snapshot_of_a_senseless_size_is_refused(node: Offered) -> None:
+def test_a_snapshot_of_a_senseless_size_is_refused(node):
     response = node.call("snapshot", width=100_000)
 
     assert response.message == "a picture has 1 to 4096 columns and rows"

@@ -1,7 +1,6 @@
 """A depth camera on a robot, from the world to its messages: to the millimetre, pixel by pixel."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from io import BytesIO
 
@@ -9,8 +8,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import CameraInfo, PointCloud2
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import Subscribers
@@ -18,11 +15,6 @@ from lcmtools_sim.robots.dolly import DOLLY
 from lcmtools_sim.robots.pioneer import PIONEER
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.shapes import Cuboid, Part
-from lcmtools_sim.simulation import Simulation
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
-Place = Callable[..., Simulation]
 
 EYE_X, EYE_Z = 0.10, 0.0975 + 0.25
 """[m] Where the Kinect is on a Pioneer at the origin."""
@@ -30,17 +22,17 @@ MILLIMETRE = 1e-3
 
 
 @pytest.fixture
-def place(simulate: Simulate) -> Place:
+def place(simulate):
     """Makes a simulation of a Pioneer with its Kinect, before some things."""
 
-    def make(*things: SceneObject, pose: Pose = Pose(), namespace: str = "/") -> Simulation:  # noqa: B008 - a value
+    def make(*things, pose=Pose(), namespace="/"):  # noqa: B008 - a value
         robots = (RobotPlacement(PIONEER, namespace, pose),)
         return simulate(scene=Scene("depth", objects=things, robots=robots))
 
     return make
 
 
-def look(simulation: Simulation, prefix: str = "") -> dict[str, Message]:
+def look(simulation, prefix=""):
     """The next messages of the camera, by their names behind /camera/."""
     start = f"{prefix}/camera/"
     while True:
@@ -49,39 +41,37 @@ def look(simulation: Simulation, prefix: str = "") -> dict[str, Message]:
             return {topic.removeprefix(start): message for topic, message in found.items()}
 
 
-def metres(messages: dict[str, Message]) -> np.ndarray:
+def metres(messages):
     message = messages["depth/image"]
     assert message.encoding == "32FC1"
     return np.frombuffer(message.data, "<f4").reshape(message.height, message.width)
 
 
-def millimetres(messages: dict[str, Message]) -> np.ndarray:
+def millimetres(messages):
     message = messages["depth/image_raw"]
     assert message.encoding == "16UC1"
     return np.frombuffer(message.data, "<u2").reshape(message.height, message.width)
 
 
-def cloud(messages: dict[str, Message]) -> np.ndarray:
+def cloud(messages):
     message = messages["depth/points"]
     assert isinstance(message, PointCloud2)
     return np.frombuffer(message.data, "<f4").reshape(message.height, message.width, -1)
 
 
-def row_of(height: float, depth: float) -> int:
+def row_of(height, depth):
     """The row in which something at this height above the ground appears [m]."""
     return round(239.5 + 589.37 * (EYE_Z - height) / depth)
 
 
-def wall(distance: float, yaw: float = 0.0) -> SceneObject:
+def wall(distance, yaw=0.0):
     """A wall whose face crosses the optical axis so far from the eye, turned about that point."""
     x, y = 0.1 * math.cos(yaw), 0.1 * math.sin(yaw)
     return box("wall", (0.2, 40, 8), Pose(EYE_X + distance + x, y, 4.0, yaw=yaw))
 
 
 @pytest.mark.parametrize("distance", [0.6, 2.0, 7.5])
-def test_a_flat_wall_has_its_depth_in_every_pixel_that_does_not_see_the_floor(
-    place: Place, distance: float
-) -> None:
+def test_a_flat_wall_has_its_depth_in_every_pixel_that_does_not_see_the_floor(place, distance):
     depth = metres(look(place(wall(distance))))
 
     rows = np.arange(480) < 239.5 + 589.37 * EYE_Z / distance - 1
@@ -90,9 +80,7 @@ def test_a_flat_wall_has_its_depth_in_every_pixel_that_does_not_see_the_floor(
 
 
 @pytest.mark.parametrize("yaw", [0.5, -0.9])
-def test_an_oblique_wall_has_the_depth_of_its_plane_in_every_column(
-    place: Place, yaw: float
-) -> None:
+def test_an_oblique_wall_has_the_depth_of_its_plane_in_every_column(place, yaw):
     depth = metres(look(place(wall(3.0, yaw))))
 
     # In the optical frame the wall is cos(yaw) z - sin(yaw) x = 3 cos(yaw), x = z (i - cx) / f.
@@ -105,7 +93,7 @@ def test_an_oblique_wall_has_the_depth_of_its_plane_in_every_column(
     assert np.isnan(depth[0][~seen]).all()
 
 
-def test_the_floors_rows_have_the_depth_that_the_eyes_height_gives(place: Place) -> None:
+def test_the_floors_rows_have_the_depth_that_the_eyes_height_gives(place):
     messages = look(place())
     depth, info = metres(messages), messages["depth/camera_info"]
     assert isinstance(info, CameraInfo)
@@ -121,9 +109,7 @@ def test_the_floors_rows_have_the_depth_that_the_eyes_height_gives(place: Place)
     assert np.isnan(depth[:240]).all()
 
 
-def test_corners_of_a_box_are_in_the_pixels_where_the_camera_info_projects_them(
-    place: Place,
-) -> None:
+def test_corners_of_a_box_are_in_the_pixels_where_the_camera_info_projects_them(place):
     size, centre = (0.6, 0.8, 0.5), (2.4, 0.3, 0.6)
     messages = look(place(box("box", size, Pose(*centre))))
     depth, info = metres(messages), messages["depth/camera_info"]
@@ -132,7 +118,7 @@ def test_corners_of_a_box_are_in_the_pixels_where_the_camera_info_projects_them(
     above_floor = depth[:300]
     rows, columns = np.nonzero(np.abs(above_floor - (face - EYE_X)) < 0.005)
 
-    def project(y: float, z: float) -> tuple[float, float]:
+    def project(y, z):
         forward = face - EYE_X
         x, y_down = -y / forward, (EYE_Z - z) / forward
         return info.P[0] * x + info.P[2], info.P[5] * y_down + info.P[6]
@@ -143,7 +129,7 @@ def test_corners_of_a_box_are_in_the_pixels_where_the_camera_info_projects_them(
     assert (rows.min(), rows.max()) == (math.ceil(top), math.floor(bottom))
 
 
-def test_the_camera_info_is_that_of_a_kinect_and_says_so_for_both_pictures(place: Place) -> None:
+def test_the_camera_info_is_that_of_a_kinect_and_says_so_for_both_pictures(place):
     messages = look(place())
     info = messages["depth/camera_info"]
 
@@ -156,7 +142,7 @@ def test_the_camera_info_is_that_of_a_kinect_and_says_so_for_both_pictures(place
     assert messages["rgb/camera_info"].K == info.K
 
 
-def test_all_forms_of_the_depth_are_one_picture(place: Place) -> None:
+def test_all_forms_of_the_depth_are_one_picture(place):
     post = box("box", (0.5, 0.5, 0.5), Pose(1.5, 0.2, 0.25))
     messages = look(place(wall(3.0, 0.4), post))
     depth, points = metres(messages), cloud(messages)
@@ -174,7 +160,7 @@ def test_all_forms_of_the_depth_are_one_picture(place: Place) -> None:
     assert np.nanmax(np.abs(points[:, :, 1] - y)) < 1e-5
 
 
-def test_colour_is_registered_with_depth_and_in_the_points(place: Place) -> None:
+def test_colour_is_registered_with_depth_and_in_the_points(place):
     red = SceneObject(
         "red", (Part(Cuboid((0.4, 0.6, 0.5)), color=(1.0, 0.0, 0.0)),), Pose(2, 0.2, 0.6)
     )
@@ -198,9 +184,7 @@ def test_colour_is_registered_with_depth_and_in_the_points(place: Place) -> None
 @pytest.mark.parametrize(
     ("distance", "is_seen"), [(0.45, False), (0.51, True), (7.99, True), (8.1, False)]
 )
-def test_what_is_out_of_range_is_no_reading(
-    place: Place, distance: float, *, is_seen: bool
-) -> None:
+def test_what_is_out_of_range_is_no_reading(place, distance, *, is_seen):
     messages = look(place(wall(distance)))
 
     middle = metres(messages)[100, 320], millimetres(messages)[100, 320], cloud(messages)[100, 320]
@@ -214,9 +198,7 @@ def test_what_is_out_of_range_is_no_reading(
 
 
 @pytest.mark.parametrize(("namespace", "prefix"), [("/", ""), ("/p3dx", "p3dx/")])
-def test_all_its_messages_have_one_stamp_and_its_optical_frame(
-    place: Place, namespace: str, prefix: str
-) -> None:
+def test_all_its_messages_have_one_stamp_and_its_optical_frame(place, namespace, prefix):
     simulation = place(namespace=namespace)
     messages = look(simulation, namespace.rstrip("/"))
 
@@ -227,7 +209,7 @@ def test_all_its_messages_have_one_stamp_and_its_optical_frame(
     assert stamps == {divmod(simulation.time, 10**9)}
 
 
-def test_it_moves_with_the_robot(place: Place, twist: Steer) -> None:
+def test_it_moves_with_the_robot(place, twist):
     simulation = place(wall(6.0))
     simulation.robots[0].command(twist(1.0, 0.0))
     simulation.select(lambda _: Subscribers.NONE)
@@ -242,13 +224,13 @@ def test_it_moves_with_the_robot(place: Place, twist: Steer) -> None:
     assert np.abs(depth[100] - (6.0 - driven)).max() < MILLIMETRE
 
 
-def test_a_turn_of_the_robot_turns_what_it_sees(place: Place) -> None:
+def test_a_turn_of_the_robot_turns_what_it_sees(place):
     depth = metres(look(place(wall(3.0), pose=Pose(yaw=math.pi))))
 
     assert np.isnan(depth[:200]).all()
 
 
-def test_it_sees_another_robot_and_a_box_that_was_moved(simulate: Simulate) -> None:
+def test_it_sees_another_robot_and_a_box_that_was_moved(simulate):
     crate = box("crate", (0.4, 0.4, 0.6), Pose(3.0, -0.8, 0.3), mass=5)
     robots = (
         RobotPlacement(PIONEER, "/a"),
@@ -270,7 +252,7 @@ def test_it_sees_another_robot_and_a_box_that_was_moved(simulate: Simulate) -> N
     assert np.nanmin(after[row_of(0.225, 4.1), 200:320]) == pytest.approx(4.1, abs=0.002)
 
 
-def test_the_robots_own_body_is_not_in_its_pictures(simulate: Simulate) -> None:
+def test_the_robots_own_body_is_not_in_its_pictures(simulate):
     low = replace(PIONEER.sensors[3], pose=Pose(0.0, 0.0, 0.05))
     assert low.kind == "depth_camera"
     robots = (RobotPlacement(replace(PIONEER, sensors=(low,)), "/"),)

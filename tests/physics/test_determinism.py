@@ -59,7 +59,7 @@ print(digest.hexdigest())
 """
 
 
-def test_two_processes_publish_bitwise_the_same() -> None:
+def test_two_processes_publish_bitwise_the_same():
     processes = [
         subprocess.Popen(
             [sys.executable, "-c", SCRIPT],

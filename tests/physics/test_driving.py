@@ -1,31 +1,21 @@
 """A Husky on free ground does what the lab says. Speeds in m/s and rad/s, lengths in metres."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.geometry import Pose, axes, yaw_of
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.scene import Ground, RobotPlacement, Scene, SceneObject
-from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.simulation import Simulation
-
-Simulate = Callable[..., Simulation]
-Effort = Callable[[float, float], JointState]
-Steer = Callable[[float, float], Twist]
+from lcmtools_sim.scene import Ground, RobotPlacement, Scene
 
 
 @pytest.fixture
-def simulate(simulate: Simulate) -> Simulate:
+def simulate(simulate):
     """Makes simulations that measure nothing: these tests read the robots' states."""
 
-    def make(*objects: SceneObject, **options: Any) -> Simulation:
+    def make(*objects, **options):
         simulation = simulate(*objects, **options)
         simulation.select(lambda _: Subscribers.NONE)
         return simulation
@@ -33,19 +23,19 @@ def simulate(simulate: Simulate) -> Simulate:
     return make
 
 
-def run(simulation: Simulation, seconds: float) -> RobotState:
+def run(simulation, seconds):
     for _ in range(round(seconds / simulation.scene.dt)):
         simulation.step()
     return simulation.robots[0].state(simulation.time)
 
 
-def path(simulation: Simulation, seconds: float) -> list[tuple[float, float]]:
+def path(simulation, seconds):
     """Positions (x, y) after every step."""
     states = (run(simulation, simulation.scene.dt) for _ in range(round(seconds * 240)))
     return [state.position[:2] for state in states]
 
 
-def test_it_stands_still_without_a_command(simulate: Simulate) -> None:
+def test_it_stands_still_without_a_command(simulate):
     state = run(simulate(), 5.0)
 
     assert state.position == pytest.approx((0, 0, 0.13228), abs=1e-4)
@@ -53,9 +43,7 @@ def test_it_stands_still_without_a_command(simulate: Simulate) -> None:
     assert state.odometry_pose == (0, 0, 0)
 
 
-def test_full_effort_reaches_one_metre_a_second_within_two_seconds_straight(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_full_effort_reaches_one_metre_a_second_within_two_seconds_straight(simulate, effort):
     simulation = simulate()
     simulation.robots[0].command(effort(1, 1))
 
@@ -69,9 +57,7 @@ def test_full_effort_reaches_one_metre_a_second_within_two_seconds_straight(
 
 
 @pytest.mark.parametrize("share", [0.1, 0.35, -0.5, -1.0])
-def test_the_speed_is_proportional_to_the_effort(
-    simulate: Simulate, effort: Effort, share: float
-) -> None:
+def test_the_speed_is_proportional_to_the_effort(simulate, effort, share):
     simulation = simulate()
     simulation.robots[0].command(effort(share, share))
 
@@ -79,9 +65,7 @@ def test_the_speed_is_proportional_to_the_effort(
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2, 0.5, 1.0, -0.5])
-def test_opposite_efforts_turn_it_on_the_spot(
-    simulate: Simulate, effort: Effort, share: float
-) -> None:
+def test_opposite_efforts_turn_it_on_the_spot(simulate, effort, share):
     simulation = simulate()
     simulation.robots[0].command(effort(-share, share))
 
@@ -91,7 +75,7 @@ def test_opposite_efforts_turn_it_on_the_spot(
     assert math.hypot(*state.position[:2]) < 0.001
 
 
-def test_unequal_efforts_drive_a_curve(simulate: Simulate, effort: Effort) -> None:
+def test_unequal_efforts_drive_a_curve(simulate, effort):
     simulation = simulate()
     simulation.robots[0].command(effort(0.2, 1.0))
 
@@ -104,9 +88,7 @@ def test_unequal_efforts_drive_a_curve(simulate: Simulate, effort: Effort) -> No
 @pytest.mark.parametrize(
     ("forward", "turn_rate"), [(0.5, 0.3), (0.5, -0.3), (0.2, 1.0), (-0.5, 0.3), (1.0, 2.0)]
 )
-def test_a_twist_describes_a_circle_of_its_radius(
-    simulate: Simulate, twist: Steer, forward: float, turn_rate: float
-) -> None:
+def test_a_twist_describes_a_circle_of_its_radius(simulate, twist, forward, turn_rate):
     radius = forward / turn_rate
     simulation = simulate()
     simulation.robots[0].command(twist(forward, turn_rate))
@@ -120,7 +102,7 @@ def test_a_twist_describes_a_circle_of_its_radius(
     assert depth / 2 == pytest.approx(abs(radius), rel=0.01)
 
 
-def test_a_circle_closes_within_a_millimetre(simulate: Simulate, twist: Steer) -> None:
+def test_a_circle_closes_within_a_millimetre(simulate, twist):
     # A period that is a whole number of steps: 20 s, turn rate 2 pi / 20.
     simulation = simulate()
     simulation.robots[0].command(twist(0.5, 2 * math.pi / 20))
@@ -132,7 +114,7 @@ def test_a_circle_closes_within_a_millimetre(simulate: Simulate, twist: Steer) -
     assert yaw_of(end.rotation) == pytest.approx(yaw_of(start.rotation), abs=1e-3)
 
 
-def test_zero_effort_stops_it(simulate: Simulate, effort: Effort) -> None:
+def test_zero_effort_stops_it(simulate, effort):
     simulation = simulate()
     simulation.robots[0].command(effort(1, 1))
     run(simulation, 2.0)
@@ -145,16 +127,14 @@ def test_zero_effort_stops_it(simulate: Simulate, effort: Effort) -> None:
     assert second.position == pytest.approx(first.position, abs=1e-4)
 
 
-def test_a_command_holds_until_the_next(simulate: Simulate, twist: Steer) -> None:
+def test_a_command_holds_until_the_next(simulate, twist):
     simulation = simulate()
     simulation.robots[0].command(twist(0.5, 0))
 
     assert run(simulation, 30.0).velocity[0] == pytest.approx(0.5, rel=0.001)
 
 
-def test_a_timeout_ends_a_command_and_the_next_one_counts_again(
-    simulate: Simulate, twist: Steer
-) -> None:
+def test_a_timeout_ends_a_command_and_the_next_one_counts_again(simulate, twist):
     robot = RobotPlacement(HUSKY, "/husky0", Pose(), cmd_timeout=1.5)
     simulation = simulate(scene=Scene("timed", robots=(robot,)))
     simulation.robots[0].command(twist(0.5, 0))
@@ -167,8 +147,8 @@ def test_a_timeout_ends_a_command_and_the_next_one_counts_again(
 
 @pytest.mark.parametrize("command", [(1.0, 0.0), (0.5, 0.3), (0.0, 1.0), (-0.7, 1.4)])
 def test_encoder_odometry_agrees_with_the_truth_to_a_thousandth_of_the_way(
-    simulate: Simulate, twist: Steer, command: tuple[float, float]
-) -> None:
+    simulate, twist, command
+):
     simulation = simulate()
     simulation.robots[0].command(twist(*command))
 
@@ -184,9 +164,7 @@ def test_encoder_odometry_agrees_with_the_truth_to_a_thousandth_of_the_way(
     assert state.odometry_speed[1] == pytest.approx(state.angular_velocity[2], abs=0.001)
 
 
-def test_wheels_turn_at_six_radians_a_second_at_full_effort(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_wheels_turn_at_six_radians_a_second_at_full_effort(simulate, effort):
     simulation = simulate()
     simulation.robots[0].command(effort(1, 1))
 
@@ -199,7 +177,7 @@ def test_wheels_turn_at_six_radians_a_second_at_full_effort(
 
 
 @pytest.mark.parametrize("dt", [1 / 120, 1 / 240, 1 / 1000])
-def test_the_step_changes_nothing(simulate: Simulate, twist: Steer, dt: float) -> None:
+def test_the_step_changes_nothing(simulate, twist, dt):
     scene = Scene("fine", dt=dt, robots=(RobotPlacement(HUSKY, "/husky0"),))
     simulation = simulate(scene=scene)
     simulation.robots[0].command(twist(0.5, 0.3))
@@ -210,7 +188,7 @@ def test_the_step_changes_nothing(simulate: Simulate, twist: Steer, dt: float) -
     assert state.velocity[0] == pytest.approx(0.5, rel=0.001)
 
 
-def test_it_starts_where_and_how_the_scene_says(simulate: Simulate, effort: Effort) -> None:
+def test_it_starts_where_and_how_the_scene_says(simulate, effort):
     simulation = simulate(pose=Pose(3, -2, 0, yaw=math.pi / 2))
     simulation.robots[0].command(effort(1, 1))
 
@@ -221,9 +199,7 @@ def test_it_starts_where_and_how_the_scene_says(simulate: Simulate, effort: Effo
     assert state.odometry_pose[:2] == pytest.approx((2.8, 0), abs=0.01)
 
 
-def test_dropped_from_above_it_lands_on_its_wheels_and_drives(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_dropped_from_above_it_lands_on_its_wheels_and_drives(simulate, effort):
     simulation = simulate(pose=Pose(0, 0, 0.5))
     simulation.robots[0].command(effort(1, 1))
 
@@ -234,7 +210,7 @@ def test_dropped_from_above_it_lands_on_its_wheels_and_drives(
     assert axes(state.rotation)[2][2] == pytest.approx(1.0, abs=1e-6)
 
 
-def test_on_its_back_its_wheels_pull_nothing(simulate: Simulate, effort: Effort) -> None:
+def test_on_its_back_its_wheels_pull_nothing(simulate, effort):
     simulation = simulate(pose=Pose(0, 0, 0.5, roll=math.pi))
     simulation.robots[0].command(effort(1, 1))
 
@@ -244,7 +220,7 @@ def test_on_its_back_its_wheels_pull_nothing(simulate: Simulate, effort: Effort)
     assert state.wheel_speeds.left == pytest.approx(6.057, rel=0.001)
 
 
-def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate: Simulate, effort: Effort) -> None:
+def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate, effort):
     scene = Scene("ice", ground=Ground(0.01), robots=(RobotPlacement(HUSKY, "/husky0"),))
     simulation = simulate(scene=scene)
     simulation.robots[0].command(effort(1, 1))
@@ -258,8 +234,8 @@ def test_on_ice_it_slips_and_its_encoders_do_not_notice(simulate: Simulate, effo
 
 @pytest.mark.parametrize("turn_rate", [0.5, 1.0, -1.0])
 def test_a_skidding_husky_turns_on_the_spot_as_the_balance_of_moments_says(
-    simulate: Simulate, twist: Steer, turn_rate: float
-) -> None:
+    simulate, twist, turn_rate
+):
     husky = replace(HUSKY, drive=replace(HUSKY.drive, skids=True))
     simulation = simulate(scene=Scene("skid", robots=(RobotPlacement(husky, "/husky0"),)))
     simulation.robots[0].command(twist(0.0, turn_rate))
@@ -275,9 +251,7 @@ def test_a_skidding_husky_turns_on_the_spot_as_the_balance_of_moments_says(
 @pytest.mark.parametrize(
     ("forward", "turn_rate"), [(0.2, 0.5), (0.5, 0.3), (1.0, 0.5), (-0.5, 1.0)]
 )
-def test_a_skidding_husky_under_a_twist_is_in_balance(
-    simulate: Simulate, twist: Steer, forward: float, turn_rate: float
-) -> None:
+def test_a_skidding_husky_under_a_twist_is_in_balance(simulate, twist, forward, turn_rate):
     husky = replace(HUSKY, drive=replace(HUSKY.drive, skids=True))
     simulation = simulate(scene=Scene("skid", robots=(RobotPlacement(husky, "/husky0"),)))
     simulation.robots[0].command(twist(forward, turn_rate))

@@ -2,7 +2,6 @@
 
 import math
 from itertools import chain, pairwise
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,6 @@ from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
-from lcmtools_sim.sensors.sensor import RobotState
 from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
@@ -27,7 +25,7 @@ both = pytest.mark.skipif(
 HUSKY_ALONE = (RobotPlacement(HUSKY, "/husky0"),)
 
 
-def driven(scene: Scene, engine: str, forward: float, turn_rate: float) -> list[list[RobotState]]:
+def driven(scene, engine, forward, turn_rate):
     """The states of all robots, each second of five, all with this command."""
     command = Twist()
     command.linear.x, command.angular.z = forward, turn_rate
@@ -43,12 +41,12 @@ def driven(scene: Scene, engine: str, forward: float, turn_rate: float) -> list[
     return found
 
 
-def steps(simulation: Simulation, count: int) -> None:
+def steps(simulation, count):
     for _ in range(count):
         simulation.step()
 
 
-def pushed(thing: SceneObject, engine: str) -> tuple[float, float]:
+def pushed(thing, engine):
     """Forward ways of a Husky and of the thing before it after five seconds at 1 m/s."""
     scene = Scene("push", objects=(thing,), robots=HUSKY_ALONE)
     command = Twist()
@@ -66,9 +64,7 @@ def pushed(thing: SceneObject, engine: str) -> tuple[float, float]:
 @both
 @pytest.mark.parametrize(("forward", "turn_rate"), [(0.4, 0.0), (0.2, 0.3)])
 @pytest.mark.parametrize("world", world_names())
-def test_robots_drive_alike_in_each_world(
-    world: str, forward: float, turn_rate: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_robots_drive_alike_in_each_world(world, forward, turn_rate, monkeypatch):
     scene = read_scene(*find_world(world))
     monkeypatch.setattr(fleet, "_MARGIN", math.inf)  # so that the engine moves them all the time
 
@@ -91,7 +87,7 @@ def test_robots_drive_alike_in_each_world(
     ],
     ids=lambda thing: thing.name,
 )
-def test_what_is_pushed_comes_as_far(thing: SceneObject) -> None:
+def test_what_is_pushed_comes_as_far(thing):
     (robot, ahead), (other_robot, other_ahead) = (pushed(thing, engine) for engine in ENGINES)
 
     assert other_robot == pytest.approx(robot, rel=0.01)
@@ -99,7 +95,7 @@ def test_what_is_pushed_comes_as_far(thing: SceneObject) -> None:
 
 
 @both
-def test_a_ball_that_is_hit_rolls_on_before_the_robot() -> None:
+def test_a_ball_that_is_hit_rolls_on_before_the_robot():
     ball = SceneObject("ball", (Part(Sphere(0.2)),), Pose(1.5, 0, 0.2), 2.0)
 
     for engine in ENGINES:
@@ -108,9 +104,7 @@ def test_a_ball_that_is_hit_rolls_on_before_the_robot() -> None:
         assert ahead - robot > HUSKY.body.base_height
 
 
-def test_the_option_beats_the_variable_which_beats_what_is_installed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_option_beats_the_variable_which_beats_what_is_installed(monkeypatch):
     installed = {"pybullet", "mujoco", "PIL"}
     monkeypatch.setattr(engines, "find_spec", lambda name: name in installed or None)
     monkeypatch.delenv("LCMTOOLS_ENGINE", raising=False)
@@ -124,9 +118,7 @@ def test_the_option_beats_the_variable_which_beats_what_is_installed(
     assert chosen_engine() == "mujoco"
 
 
-def test_an_engine_that_is_unknown_or_not_there_is_named_with_the_remedy(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_engine_that_is_unknown_or_not_there_is_named_with_the_remedy(monkeypatch):
     installed = {"mujoco", "PIL"}
     monkeypatch.setattr(engines, "find_spec", lambda name: name in installed or None)
     monkeypatch.setenv("LCMTOOLS_ENGINE", "mujoko")
@@ -145,7 +137,7 @@ def test_an_engine_that_is_unknown_or_not_there_is_named_with_the_remedy(
         chosen_engine()
 
 
-def test_bodies_keep_their_motion_when_others_come_and_go() -> None:
+def test_bodies_keep_their_motion_when_others_come_and_go():
     for engine in filter(is_installed, ENGINES):
         robots = tuple(RobotPlacement(HUSKY, f"/h{i}", Pose(0, 3 * i)) for i in range(3))
         with Simulation(Scene("three", robots=robots), engine=engine) as simulation:
@@ -166,7 +158,7 @@ def test_bodies_keep_their_motion_when_others_come_and_go() -> None:
 
 
 @pytest.mark.parametrize("engine", [name for name in ENGINES if is_installed(name)])
-def test_a_thing_of_hardly_any_mass_falls_as_others_do(engine: str) -> None:
+def test_a_thing_of_hardly_any_mass_falls_as_others_do(engine):
     crumb = SceneObject("crumb", (Part(Sphere(0.001)),), Pose(0, 0, 2), mass=1e-10)
     with Simulation(Scene("crumb", objects=(crumb,)), engine=engine) as simulation:
         for _ in range(120):
@@ -177,8 +169,8 @@ def test_a_thing_of_hardly_any_mass_falls_as_others_do(engine: str) -> None:
 
 @mujoco_only
 def test_mujoco_has_memory_for_more_contacts_than_it_expects_of_so_few_bodies(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     bricks = [
         Part(Cuboid((0.1, 0.1, 0.1)), (0.2 * (i % 20), 0.2 * (i // 20), 0)) for i in range(400)
@@ -199,9 +191,7 @@ def test_mujoco_has_memory_for_more_contacts_than_it_expects_of_so_few_bodies(
 
 
 @mujoco_only
-def test_a_warning_of_mujoco_is_told_once_a_kind_and_not_in_a_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_warning_of_mujoco_is_told_once_a_kind_and_not_in_a_file(tmp_path, monkeypatch):
     import mujoco
 
     monkeypatch.chdir(tmp_path)
@@ -221,9 +211,7 @@ def test_a_warning_of_mujoco_is_told_once_a_kind_and_not_in_a_file(
 
 
 @pytest.mark.skipif(not is_installed("bullet"), reason="pybullet is not installed")
-def test_robots_that_come_and_go_leave_no_shapes_in_bullet(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_robots_that_come_and_go_leave_no_shapes_in_bullet(monkeypatch):
     with Simulation(Scene("one", robots=HUSKY_ALONE), engine="bullet") as simulation:
         engine = simulation._world._engine
         monkeypatch.setattr(engine, "_compound", None)  # makes one, which Bullet never gives up

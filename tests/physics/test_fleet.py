@@ -1,43 +1,36 @@
 """Robots that the engine does not move, and their way back into it. Metres, seconds."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import cast
 
 import pytest
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.messages.plain import to_plain
-from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim import fleet
 from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.sensors.laser import LaserSettings
-from lcmtools_sim.sensors.sensor import RobotState, SensorMount
+from lcmtools_sim.sensors.sensor import SensorMount
 from lcmtools_sim.shapes import Part, Sphere
 from lcmtools_sim.simulation import Simulation
 
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
-LENGTH = HUSKY.body.parts[0].shape.size[0]  # type: ignore[union-attr] # a cuboid
+LENGTH = HUSKY.body.parts[0].shape.size[0]
 
 
-def scene(*poses: Pose, things: tuple[SceneObject, ...] = ()) -> Scene:
+def scene(*poses, things=()):
     robots = tuple(RobotPlacement(HUSKY, f"/r{i}", pose) for i, pose in enumerate(poses))
     return Scene("fleet", objects=things, robots=robots)
 
 
-def steps(simulation: Simulation, seconds: float) -> None:
+def steps(simulation, seconds):
     for _ in range(round(seconds * 240)):
         simulation.step()
 
 
-def run(given: Scene, command: Twist, seconds: float) -> list[RobotState]:
+def run(given, command, seconds):
     with Simulation(given) as simulation:
         for robot in simulation.robots:
             robot.command(command)
@@ -47,9 +40,7 @@ def run(given: Scene, command: Twist, seconds: float) -> list[RobotState]:
 
 @pytest.mark.parametrize("command", [(1.0, 0.0), (0.5, 0.3), (0.0, 2.0), (-0.7, 1.0)])
 @pytest.mark.parametrize("count", [1, 15])
-def test_it_moves_as_the_engine_would_move_it(
-    count: int, command: tuple[float, float], twist: Steer, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_it_moves_as_the_engine_would_move_it(count, command, twist, monkeypatch):
     given = scene(*(Pose(0, 20 * i, yaw=0.1 * i) for i in range(count)))
 
     free = run(given, twist(*command), 5.0)
@@ -62,7 +53,7 @@ def test_it_moves_as_the_engine_would_move_it(
         assert math.dist(one.wheel_angles, other.wheel_angles) < 1e-9
 
 
-def test_it_is_free_between_walls_and_held_beside_one(simulate: Simulate, twist: Steer) -> None:
+def test_it_is_free_between_walls_and_held_beside_one(simulate, twist):
     simulation = simulate(box("wall", (0.2, 8, 1), Pose(5, 0, 0.5)))
     (robot,) = simulation.robots
 
@@ -78,7 +69,7 @@ def test_it_is_free_between_walls_and_held_beside_one(simulate: Simulate, twist:
 
 
 @pytest.mark.parametrize("count", [2, 16])
-def test_robots_that_meet_stop_each_other(count: int, twist: Steer) -> None:
+def test_robots_that_meet_stop_each_other(count, twist):
     pairs = [
         Pose(-2, 10 * (i // 2)) if i % 2 else Pose(2, 10 * (i // 2), yaw=math.pi)
         for i in range(count)
@@ -90,7 +81,7 @@ def test_robots_that_meet_stop_each_other(count: int, twist: Steer) -> None:
         assert math.dist(one.position, other.position) == pytest.approx(LENGTH, abs=0.02)
 
 
-def test_a_ball_that_is_thrown_at_a_standing_robot_hits_it(simulate: Simulate) -> None:
+def test_a_ball_that_is_thrown_at_a_standing_robot_hits_it(simulate):
     ball = SceneObject("ball", (Part(Sphere(0.3)),), Pose(-8, 0, 0.31), 30.0)
     simulation = simulate(ball)
     (robot,) = simulation.robots
@@ -106,7 +97,7 @@ def test_a_ball_that_is_thrown_at_a_standing_robot_hits_it(simulate: Simulate) -
     assert world.motion(world._objects[0][1]).position[0] < x - LENGTH / 2
 
 
-def test_a_robot_on_its_side_or_in_the_air_stays_with_the_engine(simulate: Simulate) -> None:
+def test_a_robot_on_its_side_or_in_the_air_stays_with_the_engine(simulate):
     lying = simulate(pose=Pose(z=0.6, roll=1.5))
     falling = simulate(pose=Pose(z=2.0))
 
@@ -118,7 +109,7 @@ def test_a_robot_on_its_side_or_in_the_air_stays_with_the_engine(simulate: Simul
     assert not falling.robots[0].is_free
 
 
-def test_nothing_is_placed_or_added_inside_a_free_robot(twist: Steer) -> None:
+def test_nothing_is_placed_or_added_inside_a_free_robot(twist):
     with Simulation(scene(Pose(), Pose(10, 0))) as simulation:
         simulation.robots[0].command(twist(1.0, 0.0))
         steps(simulation, 5.0)
@@ -136,7 +127,7 @@ def test_nothing_is_placed_or_added_inside_a_free_robot(twist: Steer) -> None:
         assert first.state(0).position[0] == pytest.approx(x + 0.2, abs=0.01)
 
 
-def test_a_robot_keeps_its_way_when_others_come_and_go(twist: Steer) -> None:
+def test_a_robot_keeps_its_way_when_others_come_and_go(twist):
     with Simulation(scene(*(Pose(0, 10 * i) for i in range(14)))) as simulation:
         for robot in simulation.robots:
             robot.command(twist(0.5, 0.3))
@@ -155,15 +146,13 @@ def test_a_robot_keeps_its_way_when_others_come_and_go(twist: Steer) -> None:
 
 
 @pytest.mark.parametrize("margin", [fleet._MARGIN, math.inf])
-def test_sensors_of_many_robots_measure_what_each_alone_does(
-    twist: Steer, margin: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_sensors_of_many_robots_measure_what_each_alone_does(twist, margin, monkeypatch):
     monkeypatch.setattr(fleet, "_MARGIN", margin)  # at inf the engine moves all
     poses = [Pose(0, 10 * i, yaw=0.3 * i) for i in range(14)]
     poses[1] = Pose(0, 11.0)  # beside the third, so that the engine moves both
     poses[2] = Pose(0, 12.1)
 
-    def samples(given: Scene) -> dict[str, Message]:
+    def samples(given):
         with Simulation(given) as simulation:
             for robot in simulation.robots:
                 robot.command(twist(0.5, 0.3))
@@ -188,19 +177,19 @@ def test_sensors_of_many_robots_measure_what_each_alone_does(
                 assert texts(together[topic]) == texts(message)
 
 
-def test_sensors_measure_their_own_robot_whoever_moves_it(twist: Steer) -> None:
+def test_sensors_measure_their_own_robot_whoever_moves_it(twist):
     walls = tuple(box(f"w{i}", (0.2, 2, 1), Pose(3 + i, 10 * i, 0.5)) for i in range(0, 12, 3))
     seen = set()
     with Simulation(scene(*(Pose(0, 10 * i) for i in range(12)), things=walls)) as simulation:
 
-        def drive(seconds: float) -> None:
+        def drive(seconds):
             for robot in simulation.robots:
                 robot.command(twist(1.0, 0.0))
             for _ in range(round(seconds * 240)):
                 found = {sample.topic: sample for sample in simulation.step()}
                 for robot in simulation.robots if found else ():
                     state = robot.state(simulation.time)
-                    truth = cast("Odometry", found[f"{robot.namespace}/ground_truth"].message)
+                    truth = found[f"{robot.namespace}/ground_truth"].message
                     place = truth.pose.pose.position
                     assert (place.x, place.y, place.z) == pytest.approx(state.position, abs=1e-9)
                     assert (truth.header.stamp.sec, truth.header.stamp.nsec) == state.stamp
@@ -216,9 +205,7 @@ def test_sensors_measure_their_own_robot_whoever_moves_it(twist: Steer) -> None:
     assert {free for name, free in seen if name == "/another"} >= {True}
 
 
-def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(
-    twist: Steer, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(twist, monkeypatch):
     kinds = Pose(), Pose(z=0.3), Pose(z=0.6, roll=1.5)
     poses = [replace(kinds[i % 3], y=10.0 * i) for i in range(15)]
     crates = [box(f"c{i}", (0.5, 0.5, 0.5), Pose(1.5, 10 * i, 0.25), mass=20) for i in range(15)]
@@ -235,9 +222,7 @@ def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(
 
 
 @pytest.mark.parametrize("gap", [1.0, 6.0])  # in the engine, and without it
-def test_a_subscriber_of_one_of_many_that_joins_late_gets_the_same_measurements(
-    gap: float, twist: Steer
-) -> None:
+def test_a_subscriber_of_one_of_many_that_joins_late_gets_the_same_measurements(gap, twist):
     laser = SensorMount(
         "laser", "scan", 10.0, Pose(0.3, 0, 0.3), settings=LaserSettings(noise=0.01)
     )
@@ -245,7 +230,7 @@ def test_a_subscriber_of_one_of_many_that_joins_late_gets_the_same_measurements(
     given = scene(*(Pose(0, gap * i) for i in range(15)))
     given = replace(given, robots=tuple(replace(robot, model=model) for robot in given.robots))
 
-    def samples(wanted: Callable[[int, str], bool]) -> dict[tuple[int, str], bytes]:
+    def samples(wanted):
         found = {}
         with Simulation(given) as simulation:
             for robot in simulation.robots:
@@ -262,7 +247,7 @@ def test_a_subscriber_of_one_of_many_that_joins_late_gets_the_same_measurements(
     assert {key: always[key] for key in late} == late
 
 
-def leaves(value: object) -> list[object]:
+def leaves(value):
     """All that is in a plain message, one after the other."""
     if isinstance(value, dict):
         value = [*value.values()]
@@ -271,9 +256,9 @@ def leaves(value: object) -> list[object]:
     return [value]
 
 
-def numbers(message: Message) -> list[object]:
+def numbers(message):
     return [leaf for leaf in leaves(to_plain(message)) if isinstance(leaf, (int, float))]
 
 
-def texts(message: Message) -> list[object]:
+def texts(message):
     return [leaf for leaf in leaves(to_plain(message)) if isinstance(leaf, str)]

@@ -1,40 +1,33 @@
 """An inertial sensor measures gravity, the motors, and the circle. m/s^2, rad/s, metres."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist, Vector3
 from lcmtools.types.sensor_msgs import Imu
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, box
 from lcmtools_sim.sensors.motion import ImuSettings
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.simulation import Simulation
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
-Place = Callable[..., Simulation]
 
 G = 9.81
 
 
 @pytest.fixture
-def place(simulate: Simulate) -> Place:
+def place(simulate):
     """Makes a simulation of one Husky with one IMU at a pose in base_link, at every step."""
 
     def make(
-        mounted: Pose = Pose(),  # noqa: B008 - a value
-        start: Pose = Pose(),  # noqa: B008 - a value
+        mounted=Pose(),  # noqa: B008 - a value
+        start=Pose(),  # noqa: B008 - a value
         *,
-        seed: int = 0,
-        gravity: float = G,
-        settings: ImuSettings = ImuSettings(),  # noqa: B008 - a value
-    ) -> Simulation:
+        seed=0,
+        gravity=G,
+        settings=ImuSettings(),  # noqa: B008 - a value
+    ):
         mount = SensorMount("imu", "imu", 240.0, mounted, settings=settings)
         robot = RobotPlacement(replace(HUSKY, sensors=(mount,)), "/h", start)
         return simulate(scene=Scene("imu", seed=seed, gravity=gravity, robots=(robot,)))
@@ -42,7 +35,7 @@ def place(simulate: Simulate) -> Place:
     return make
 
 
-def measure(simulation: Simulation, seconds: float) -> list[Imu]:
+def measure(simulation, seconds):
     messages = []
     for _ in range(round(seconds * 240)):
         (message,) = [s.message for s in simulation.step() if s.topic == "/h/imu"]
@@ -51,16 +44,16 @@ def measure(simulation: Simulation, seconds: float) -> list[Imu]:
     return messages
 
 
-def xyz(vector: Vector3) -> tuple[float, float, float]:
+def xyz(vector):
     return vector.x, vector.y, vector.z
 
 
-def felt(message: Imu) -> tuple[float, float, float]:
+def felt(message):
     return xyz(message.linear_acceleration)
 
 
 @pytest.mark.parametrize("gravity", [9.81, 1.62])
-def test_at_rest_it_feels_what_holds_it_up_and_no_turning(place: Place, gravity: float) -> None:
+def test_at_rest_it_feels_what_holds_it_up_and_no_turning(place, gravity):
     message = measure(place(gravity=gravity), 1.0)[-1]
 
     assert felt(message) == pytest.approx((0, 0, gravity), abs=0.01)
@@ -68,15 +61,13 @@ def test_at_rest_it_feels_what_holds_it_up_and_no_turning(place: Place, gravity:
     assert message.header.frame_id == "h/imu_link"
 
 
-def test_it_starts_at_rest_and_does_not_fall_onto_the_ground_first(place: Place) -> None:
+def test_it_starts_at_rest_and_does_not_fall_onto_the_ground_first(place):
     for message in measure(place(), 0.1):
         assert felt(message) == pytest.approx((0.0, 0.0, G), abs=0.01)
 
 
 @pytest.mark.parametrize("gravity", [G, 1.62])
-def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(
-    simulate: Simulate, gravity: float
-) -> None:
+def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(simulate, gravity):
     tilt = 0.15  # nose down
     top = 0.5 / math.cos(tilt) + 0.001
     ramp = box("ramp", (20, 8, 1), Pose(pitch=tilt), friction=1.0)
@@ -101,13 +92,11 @@ def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(
         (Pose(roll=0.3), (0, G * math.sin(0.3), G * math.cos(0.3))),
     ],
 )
-def test_a_turned_sensor_feels_it_along_its_own_axes(
-    place: Place, turned: Pose, expected: tuple[float, float, float]
-) -> None:
+def test_a_turned_sensor_feels_it_along_its_own_axes(place, turned, expected):
     assert felt(measure(place(turned), 1.0)[-1]) == pytest.approx(expected, abs=0.01)
 
 
-def test_speeding_up_is_felt_forward_and_braking_backward(place: Place, twist: Steer) -> None:
+def test_speeding_up_is_felt_forward_and_braking_backward(place, twist):
     simulation = place()
     simulation.robots[0].command(twist(1.0, 0.0))
     faster = measure(simulation, 0.1)[-1]
@@ -124,8 +113,8 @@ def test_speeding_up_is_felt_forward_and_braking_backward(place: Place, twist: S
 @pytest.mark.parametrize(("forward", "turn_rate"), [(0.5, 0.3), (1.0, -1.0), (0.0, 2.0)])
 @pytest.mark.parametrize("lever", [(0.0, 0.0), (0.4, 0.0), (0.2, -0.3)])
 def test_on_a_circle_it_feels_the_centripetal_acceleration_of_where_it_is(
-    place: Place, twist: Steer, forward: float, turn_rate: float, lever: tuple[float, float]
-) -> None:
+    place, twist, forward, turn_rate, lever
+):
     x, y = lever
     simulation = place(Pose(x, y, 0.2))
     simulation.robots[0].command(twist(forward, turn_rate))
@@ -139,7 +128,7 @@ def test_on_a_circle_it_feels_the_centripetal_acceleration_of_where_it_is(
     assert messages[-1].angular_velocity.z == pytest.approx(turn_rate, rel=0.001)
 
 
-def test_beginning_to_turn_is_felt_across_a_lever(place: Place, twist: Steer) -> None:
+def test_beginning_to_turn_is_felt_across_a_lever(place, twist):
     simulation = place(Pose(0.4, 0.0, 0.0))
     simulation.robots[0].command(twist(0.0, 2.0))
 
@@ -151,7 +140,7 @@ def test_beginning_to_turn_is_felt_across_a_lever(place: Place, twist: Steer) ->
     assert felt(messages[24])[1] == pytest.approx(euler, rel=0.02)
 
 
-def test_the_orientation_is_that_of_the_sensor_in_the_world(place: Place) -> None:
+def test_the_orientation_is_that_of_the_sensor_in_the_world(place):
     message = measure(place(Pose(yaw=0.5), Pose(3, 4, 0, yaw=0.7)), 0.5)[-1]
 
     turned = message.orientation
@@ -159,13 +148,13 @@ def test_the_orientation_is_that_of_the_sensor_in_the_world(place: Place) -> Non
     assert 2 * math.atan2(turned.z, turned.w) == pytest.approx(1.2, abs=1e-4)
 
 
-def test_falling_it_feels_nothing(place: Place) -> None:
+def test_falling_it_feels_nothing(place):
     message = measure(place(start=Pose(0, 0, 5)), 0.5)[-1]
 
     assert felt(message) == pytest.approx((0, 0, 0), abs=0.01)
 
 
-def test_its_noise_has_the_deviations_that_are_asked_for_and_says_them(place: Place) -> None:
+def test_its_noise_has_the_deviations_that_are_asked_for_and_says_them(place):
     messages = measure(place(settings=ImuSettings(0.02, 0.3)), 10.0)[240:]
 
     accelerations = np.array([felt(message) for message in messages]) - (0, 0, G)

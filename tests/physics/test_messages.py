@@ -2,7 +2,6 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -10,34 +9,26 @@ import pytest
 from lcmtools.clock import join_stamp
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import Imu, JointState
-from lcmtools.types.std_msgs import Time
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.simulation import Sample, Simulation
-
-Simulate = Callable[..., Simulation]
-Effort = Callable[[float, float], JointState]
-Steer = Callable[[float, float], Twist]
 
 
-def run(simulation: Simulation, seconds: float) -> list[list[Sample]]:
+def run(simulation, seconds):
     return [simulation.step() for _ in range(round(seconds / simulation.scene.dt))]
 
 
-def last(steps: list[list[Sample]], topic: str) -> Sample:
+def last(steps, topic):
     return next(s for samples in reversed(steps) for s in samples if s.topic == topic)
 
 
-def stamps(message: Message) -> list[Time]:
+def stamps(message):
     """All the times that a message carries."""
     if isinstance(message, Clock):
         return [message.clock]
@@ -46,7 +37,7 @@ def stamps(message: Message) -> list[Time]:
     return [message.header.stamp]
 
 
-def test_rates_are_exact_over_ten_seconds(simulate: Simulate) -> None:
+def test_rates_are_exact_over_ten_seconds(simulate):
     steps = run(simulate(), 10.0)
 
     assert Counter(sample.topic for samples in steps for sample in samples) == {
@@ -60,9 +51,7 @@ def test_rates_are_exact_over_ten_seconds(simulate: Simulate) -> None:
 
 
 @pytest.mark.parametrize("dt", [1 / 240, 1 / 1000, 0.004])
-def test_each_sensor_keeps_its_own_rate_and_none_comes_twice_a_step(
-    simulate: Simulate, dt: float
-) -> None:
+def test_each_sensor_keeps_its_own_rate_and_none_comes_twice_a_step(simulate, dt):
     rates = (0.5, 10, 30, 50, 100, 1e4)
     mounts = tuple(SensorMount("odometry", f"at{rate}", rate) for rate in rates)
     robot = RobotPlacement(replace(HUSKY, sensors=mounts), "/h")
@@ -76,9 +65,7 @@ def test_each_sensor_keeps_its_own_rate_and_none_comes_twice_a_step(
         assert len({sample.topic for sample in samples}) == len(samples)
 
 
-def test_a_robot_that_comes_later_keeps_the_rates_and_leaves_the_others_alone(
-    simulate: Simulate,
-) -> None:
+def test_a_robot_that_comes_later_keeps_the_rates_and_leaves_the_others_alone(simulate):
     simulation = simulate()
     run(simulation, 1.0)
     late = simulation.add(RobotPlacement(HUSKY, "/late", Pose(0, 5)))
@@ -91,9 +78,7 @@ def test_a_robot_that_comes_later_keeps_the_rates_and_leaves_the_others_alone(
     assert counts["/husky0/odometry"] == 100
 
 
-def test_topics_without_subscribers_are_not_measured_but_for_those_that_are_always(
-    simulate: Simulate,
-) -> None:
+def test_topics_without_subscribers_are_not_measured_but_for_those_that_are_always(simulate):
     mounts = (
         SensorMount("odometry", "odometry", 50.0),
         SensorMount("ground_truth", "truth", 50.0, always=True),
@@ -108,7 +93,7 @@ def test_topics_without_subscribers_are_not_measured_but_for_those_that_are_alwa
     assert topics == {"/h/imu", "/h/truth"}
 
 
-def test_without_subscribers_nothing_is_sent(simulate: Simulate) -> None:
+def test_without_subscribers_nothing_is_sent(simulate):
     fast = SensorMount("wheel_states", "wheels", 240.0)
     robot = RobotPlacement(replace(HUSKY, sensors=(fast,)), "/h")
     simulation = simulate(scene=Scene("unheard", robots=(robot,)))
@@ -117,7 +102,7 @@ def test_without_subscribers_nothing_is_sent(simulate: Simulate) -> None:
     assert [samples for samples in run(simulation, 1.0) if samples] == []
 
 
-def test_a_clock_that_alone_is_subscribed_ticks_at_its_least_rate(simulate: Simulate) -> None:
+def test_a_clock_that_alone_is_subscribed_ticks_at_its_least_rate(simulate):
     simulation = simulate()
     simulation.select(lambda topic: Subscribers.KNOWN if topic == "/clock" else Subscribers.NONE)
 
@@ -126,7 +111,7 @@ def test_a_clock_that_alone_is_subscribed_ticks_at_its_least_rate(simulate: Simu
     assert topics == ["/clock"] * 50
 
 
-def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) -> None:
+def test_topics_and_types_are_known_before_the_first_step(simulate):
     assert simulate().topics() == {
         "/clock": Clock,
         "/husky0/odometry": Odometry,
@@ -137,7 +122,7 @@ def test_topics_and_types_are_known_before_the_first_step(simulate: Simulate) ->
     }
 
 
-def test_a_robot_in_the_root_namespace_has_plain_topics_and_frames(simulate: Simulate) -> None:
+def test_a_robot_in_the_root_namespace_has_plain_topics_and_frames(simulate):
     simulation = simulate(scene=Scene("root", robots=(RobotPlacement(HUSKY, "/"),)))
 
     odometry = last(run(simulation, 0.1), "/odometry").message
@@ -146,7 +131,7 @@ def test_a_robot_in_the_root_namespace_has_plain_topics_and_frames(simulate: Sim
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
 
 
-def test_all_messages_of_a_step_carry_its_time(simulate: Simulate) -> None:
+def test_all_messages_of_a_step_carry_its_time(simulate):
     simulation = simulate()
     for step in range(1, 241):
         for sample in simulation.step():
@@ -156,14 +141,14 @@ def test_all_messages_of_a_step_carry_its_time(simulate: Simulate) -> None:
     assert simulation.time == 1_000_000_000
 
 
-def test_the_clock_is_never_behind_a_stamp(simulate: Simulate) -> None:
+def test_the_clock_is_never_behind_a_stamp(simulate):
     simulation = simulate(scene=Scene("fine", dt=0.003, robots=(RobotPlacement(HUSKY, "/a"),)))
 
     for samples in run(simulation, 1.0):
         assert not samples or samples[0].topic == "/clock"
 
 
-def test_odometry_says_pose_twist_frames_and_covariances(simulate: Simulate, twist: Steer) -> None:
+def test_odometry_says_pose_twist_frames_and_covariances(simulate, twist):
     simulation = simulate(pose=Pose(1, 2, 0, yaw=1.0))
     simulation.robots[0].command(twist(0.5, 0.3))
 
@@ -183,9 +168,7 @@ def test_odometry_says_pose_twist_frames_and_covariances(simulate: Simulate, twi
     assert message.twist.covariance == message.pose.covariance
 
 
-def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(
-    simulate: Simulate, effort: Effort
-) -> None:
+def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(simulate, effort):
     simulation = simulate(pose=Pose(1, 2, 0, yaw=math.pi / 2))
     simulation.robots[0].command(effort(1, 1))
 
@@ -200,7 +183,7 @@ def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(
     assert message.twist.twist.linear.y == pytest.approx(0.0, abs=1e-6)
 
 
-def test_wheel_velocities_are_left_then_right(simulate: Simulate, effort: Effort) -> None:
+def test_wheel_velocities_are_left_then_right(simulate, effort):
     simulation = simulate()
     simulation.robots[0].command(effort(0.5, 1.0))
 
@@ -214,7 +197,7 @@ def test_wheel_velocities_are_left_then_right(simulate: Simulate, effort: Effort
     assert message.position[1] == pytest.approx(2 * message.position[0], rel=0.001)
 
 
-def test_every_message_can_be_encoded(simulate: Simulate) -> None:
+def test_every_message_can_be_encoded(simulate):
     for samples in run(simulate(), 0.1):
         for sample in samples:
             assert len(encode(sample.message)) > 8
@@ -224,9 +207,7 @@ def test_every_message_can_be_encoded(simulate: Simulate) -> None:
     "bad",
     [(math.nan, 1.0), (math.inf, math.inf), (1.0,), (1.0, 1.0, 1.0), ()],
 )
-def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(
-    simulate: Simulate, effort: Effort, bad: tuple[float, ...]
-) -> None:
+def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(simulate, effort, bad):
     simulation = simulate()
     robot = simulation.robots[0]
     robot.command(effort(1, 1))
@@ -243,9 +224,7 @@ def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(
     assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
 
 
-def test_absurdly_large_commands_are_obeyed_within_the_limits(
-    simulate: Simulate, twist: Steer
-) -> None:
+def test_absurdly_large_commands_are_obeyed_within_the_limits(simulate, twist):
     simulation = simulate()
     simulation.robots[0].command(twist(1e308, -1e308))
 

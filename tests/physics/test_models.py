@@ -1,32 +1,23 @@
 """The Pioneer and the Dolly drive as commanded, within their limits. Metres, m/s, rad/s."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.geometry import Pose, yaw_of
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.robots.dolly import DOLLY
-from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.scene import RobotPlacement, Scene
-from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.simulation import Simulation
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
-Place = Callable[..., Simulation]
 
 
 @pytest.fixture
-def place(simulate: Simulate) -> Place:
+def place(simulate):
     """Makes a simulation of one robot of a model, without subscribers of its sensors."""
 
-    def make(model: str | RobotModel, pose: Pose = Pose()) -> Simulation:  # noqa: B008 - a value
+    def make(model, pose=Pose()):  # noqa: B008 - a value
         model = MODELS[model] if isinstance(model, str) else model
         simulation = simulate(scene=Scene("free", robots=(RobotPlacement(model, "/r", pose),)))
         simulation.select(lambda _: Subscribers.NONE)
@@ -35,7 +26,7 @@ def place(simulate: Simulate) -> Place:
     return make
 
 
-def states(simulation: Simulation, seconds: float) -> list[RobotState]:
+def states(simulation, seconds):
     """The state after every step."""
     found = []
     for _ in range(round(seconds / simulation.scene.dt)):
@@ -48,9 +39,7 @@ def states(simulation: Simulation, seconds: float) -> list[RobotState]:
 @pytest.mark.parametrize(
     ("forward", "turn_rate"), [(0.5, 0.3), (0.5, -0.3), (-0.4, 0.5), (0.2, 1.0)]
 )
-def test_a_commanded_circle_has_its_radius_and_closes(
-    place: Place, twist: Steer, model: str, forward: float, turn_rate: float
-) -> None:
+def test_a_commanded_circle_has_its_radius_and_closes(place, twist, model, forward, turn_rate):
     simulation = place(model)
     simulation.robots[0].command(twist(forward, turn_rate))
     start = states(simulation, 3.0)[-1]
@@ -67,9 +56,7 @@ def test_a_commanded_circle_has_its_radius_and_closes(
 
 @pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
 @pytest.mark.parametrize("speed", [0.05, 0.6, 1.0, -0.5])
-def test_a_straight_line_is_straight_wherever_it_leads(
-    place: Place, twist: Steer, model: str, speed: float
-) -> None:
+def test_a_straight_line_is_straight_wherever_it_leads(place, twist, model, speed):
     simulation = place(model, Pose(2, -1, 0, yaw=0.7))
     simulation.robots[0].command(twist(speed, 0.0))
     start = states(simulation, 2.0)[-1]
@@ -84,9 +71,7 @@ def test_a_straight_line_is_straight_wherever_it_leads(
 
 @pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
 @pytest.mark.parametrize("turn_rate", [0.1, 1.0, -2.0])
-def test_turning_on_the_spot_does_not_drift(
-    place: Place, twist: Steer, model: str, turn_rate: float
-) -> None:
+def test_turning_on_the_spot_does_not_drift(place, twist, model, turn_rate):
     simulation = place(model, Pose(1, 2))
     simulation.robots[0].command(twist(0.0, turn_rate))
 
@@ -100,8 +85,8 @@ def test_turning_on_the_spot_does_not_drift(
     ("model", "limit", "lag"), [("pioneer", 1.0, 0.1), ("dolly", 1.0, 0.05), ("husky", 3.0, 0.15)]
 )
 def test_it_speeds_up_and_stops_at_its_acceleration_and_goes_the_way_that_takes(
-    place: Place, twist: Steer, model: str, limit: float, lag: float
-) -> None:
+    place, twist, model, limit, lag
+):
     # A motor of first order whose acceleration is limited: constant until what is missing is
     # limit x lag, an exponential from there on.
     simulation, dt = place(model), 1 / 240
@@ -122,7 +107,7 @@ def test_it_speeds_up_and_stops_at_its_acceleration_and_goes_the_way_that_takes(
     assert down[-1].velocity[0] == pytest.approx(0.0, abs=1e-4)
 
 
-def _lost(limit: float, lag: float) -> float:
+def _lost(limit, lag):
     """The way that is missing after a ramp to 1 m/s, and that a stop from there takes."""
     tail = limit * lag
     return (1 - tail**2) / (2 * limit) + tail * lag
@@ -132,9 +117,7 @@ def _lost(limit: float, lag: float) -> float:
     ("model", "speed", "turn_rate"),
     [("pioneer", 1.2, 5.2), ("dolly", 2.0, 4.0), ("husky", 1.0, 2.0)],
 )
-def test_what_is_beyond_its_limits_is_obeyed_up_to_them(
-    place: Place, twist: Steer, model: str, speed: float, turn_rate: float
-) -> None:
+def test_what_is_beyond_its_limits_is_obeyed_up_to_them(place, twist, model, speed, turn_rate):
     straight, turning = place(model), place(model)
     straight.robots[0].command(twist(9.0, 0.0))
     turning.robots[0].command(twist(0.0, -50.0))
@@ -143,9 +126,7 @@ def test_what_is_beyond_its_limits_is_obeyed_up_to_them(
     assert states(turning, 5.0)[-1].angular_velocity[2] == pytest.approx(-turn_rate, rel=0.001)
 
 
-def test_dolly_turns_as_gazebo_turned_it_where_its_quirks_are_wanted(
-    place: Place, twist: Steer
-) -> None:
+def test_dolly_turns_as_gazebo_turned_it_where_its_quirks_are_wanted(place, twist):
     assert DOLLY.gazebo_drive is not None
     simulation = place(replace(DOLLY, drive=DOLLY.gazebo_drive))
     simulation.robots[0].command(twist(0.5, 0.3))
@@ -158,9 +139,7 @@ def test_dolly_turns_as_gazebo_turned_it_where_its_quirks_are_wanted(
 
 @pytest.mark.parametrize("model", ["pioneer", "dolly"])
 @pytest.mark.parametrize("command", [(0.5, 0.3), (0.0, 1.0), (1.0, 0.0), (-0.4, -0.9)])
-def test_encoders_agree_with_the_truth_where_nothing_slips(
-    place: Place, twist: Steer, model: str, command: tuple[float, float]
-) -> None:
+def test_encoders_agree_with_the_truth_where_nothing_slips(place, twist, model, command):
     simulation = place(model)
     simulation.robots[0].command(twist(*command))
 
@@ -172,7 +151,7 @@ def test_encoders_agree_with_the_truth_where_nothing_slips(
 
 
 @pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
-def test_it_stands_on_its_wheels_at_rest_for_ever(place: Place, model: str) -> None:
+def test_it_stands_on_its_wheels_at_rest_for_ever(place, model):
     simulation = place(model, Pose(1, 2, 0, yaw=0.5))
 
     run = states(simulation, 10.0)

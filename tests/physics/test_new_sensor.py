@@ -1,9 +1,8 @@
 """A new kind of sensor is a class and an entry in the table: here a sonar. Metres."""
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 import pytest
@@ -18,15 +17,11 @@ from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.geometry import IDENTITY, ZERO
 from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import (
-    RobotState,
-    SensorContext,
     SensorKind,
-    SensorMount,
     Settings,
     fill_header,
     number,
 )
-from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.vision.scan import Scanner
 from lcmtools_sim.world_file import read_scene
 
@@ -51,7 +46,7 @@ class SonarSettings(Settings):
     wear: float = number(0.0, 0.0, 1.0)  # its cable brakes the encoders of this sonar's robot
 
     @property
-    def encoder_noise(self) -> float:
+    def encoder_noise(self):
         """The wear."""
         return self.wear
 
@@ -61,14 +56,14 @@ class Sonar:
 
     outputs: Mapping[str, type[Message]] = {"": Range}
 
-    def __init__(self, mount: SensorMount, context: SensorContext) -> None:
-        self._settings = settings = cast("SonarSettings", mount.settings or SonarSettings())
+    def __init__(self, mount, context):
+        self._settings = settings = mount.settings or SonarSettings()
         self._pose, self._world, self._body = mount.pose, context.world, context.body
         self._frame = context.add_frame(mount, "sonar", mount.pose.rotation)
         half = settings.cone / 2
         self._scanner = Scanner(np.linspace(-half, half, 9), settings.reach)
 
-    def sample(self, state: RobotState, wanted: Collection[str]) -> Mapping[str, bytes]:
+    def sample(self, state, wanted):
         """Return the range of one step."""
         del wanted
         others = {**self._world.moving_bodies()}
@@ -84,26 +79,26 @@ SONAR = SensorKind(Sonar, SonarSettings, rate=20.0, topic="sonar")
 
 
 @pytest.fixture(autouse=True)
-def _in_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
+def _in_the_table(monkeypatch):
     monkeypatch.setitem(SENSORS, "sonar", SONAR)
 
 
-def samples(simulation: Simulation, kind: type[Message]) -> list[Message]:
+def samples(simulation, kind):
     """The messages of a type in the next second."""
     steps = round(1 / simulation.scene.dt)
     found = [sample for _ in range(steps) for sample in simulation.step()]
     return [sample.message for sample in found if sample.message_type is kind]
 
 
-def test_a_world_file_may_mount_it_and_it_measures(simulate: Callable[..., Simulation]) -> None:
+def test_a_world_file_may_mount_it_and_it_measures(simulate):
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar, pose: [0.5, 0, 0]}}]", "y.yaml"))
 
     ranges = samples(simulation, Range)
 
     assert simulation.topics()["/husky0/sonar"] is Range
     assert len(ranges) == 20
-    assert [one.range for one in ranges] == pytest.approx([1.4] * 20, abs=TOLERANCE)  # type: ignore[attr-defined] # each is a Range
-    assert {one.header.frame_id for one in ranges} == {"husky0/sonar"}  # type: ignore[attr-defined]
+    assert [one.range for one in ranges] == pytest.approx([1.4] * 20, abs=TOLERANCE)
+    assert {one.header.frame_id for one in ranges} == {"husky0/sonar"}
 
 
 MISTAKES = {
@@ -121,7 +116,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("sensors", MISTAKES)
-def test_mistakes_in_its_settings_are_refused_with_their_line(sensors: str) -> None:
+def test_mistakes_in_its_settings_are_refused_with_their_line(sensors):
     with pytest.raises(InvalidFile) as caught:
         read_scene(f"{YARD}{sensors}", "yard.yaml")
 
@@ -129,9 +124,7 @@ def test_mistakes_in_its_settings_are_refused_with_their_line(sensors: str) -> N
 
 
 @pytest.mark.parametrize("is_optical", [False, True])
-def test_only_kinds_with_the_same_axes_may_share_a_frame(
-    monkeypatch: pytest.MonkeyPatch, *, is_optical: bool
-) -> None:
+def test_only_kinds_with_the_same_axes_may_share_a_frame(monkeypatch, *, is_optical):
     monkeypatch.setitem(SENSORS, "sonar", replace(SONAR, is_optical=is_optical))
     text = f"{YARD}[{{type: camera, frame: eye}}, {{type: sonar, frame: eye}}]"
 
@@ -143,22 +136,18 @@ def test_only_kinds_with_the_same_axes_may_share_a_frame(
 
 
 @pytest.mark.parametrize("needs_frames", [False, True])
-def test_a_kind_that_needs_frames_is_made_after_the_others(
-    simulate: Callable[..., Simulation], monkeypatch: pytest.MonkeyPatch, *, needs_frames: bool
-) -> None:
+def test_a_kind_that_needs_frames_is_made_after_the_others(simulate, monkeypatch, *, needs_frames):
     monkeypatch.setitem(SENSORS, "sonar", replace(SONAR, needs_frames=needs_frames))
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar}}]", "yard.yaml"))
 
     (message, *_) = samples(simulation, TFMessage)
 
-    frames = {one.child_frame_id for one in message.transforms}  # type: ignore[attr-defined]
+    frames = {one.child_frame_id for one in message.transforms}
     assert ("husky0/sonar" in frames) is not needs_frames
 
 
 @pytest.mark.parametrize("settings", ["", ", wear: 0.05"])
-def test_its_settings_may_disturb_the_encoders(
-    simulate: Callable[..., Simulation], settings: str
-) -> None:
+def test_its_settings_may_disturb_the_encoders(simulate, settings):
     text = f"{YARD}[{{type: sonar{settings}}}]"
     (robot,) = simulate(scene=read_scene(text, "yard.yaml")).robots
 
@@ -166,7 +155,7 @@ def test_its_settings_may_disturb_the_encoders(
 
 
 @pytest.fixture
-def node(bus_url: str) -> Iterator[lcmtools.Node]:
+def node(bus_url):
     """A node on a bus of its own."""
     lcmtools.init([], url=bus_url)
     with lcmtools.Node("yard") as node:
@@ -174,15 +163,13 @@ def node(bus_url: str) -> Iterator[lcmtools.Node]:
     lcmtools.shutdown()
 
 
-def test_its_messages_are_published(
-    simulate: Callable[..., Simulation], node: lcmtools.Node, wait_until: Callable[..., None]
-) -> None:
+def test_its_messages_are_published(simulate, node, wait_until):
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar}}]", "yard.yaml"))
-    heard: list[Range] = []
+    heard = []
     node.create_subscription(Range, "/husky0/sonar", heard.append)
     bridge = Bridge(node, simulation)
 
-    def hears() -> bool:
+    def hears():
         bridge.receive()
         bridge.publish(simulation.step())
         return bool(heard)

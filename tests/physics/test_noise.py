@@ -1,15 +1,12 @@
 """Every sensor's noise: none unless it is asked for, of the size that is, and one seed, one run."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
@@ -23,10 +20,6 @@ from lcmtools_sim.sensors.motion import (
     WheelStatesSettings,
 )
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.simulation import Simulation
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
 
 FRONT = Pose(0.6, 0.0, 0.3)
 NOISY = {
@@ -42,7 +35,7 @@ NOISY = {
 WALL = box("wall", (0.2, 30, 3), Pose(4.1, 0, 1.5))
 
 
-def scene(*mounts: SensorMount, seed: int = 0, count: int = 1) -> Scene:
+def scene(*mounts, seed=0, count=1):
     robots = tuple(
         RobotPlacement(replace(HUSKY, sensors=mounts), f"/h{i}", Pose(0, 5.0 * i))
         for i in range(count)
@@ -51,10 +44,10 @@ def scene(*mounts: SensorMount, seed: int = 0, count: int = 1) -> Scene:
 
 
 @pytest.fixture
-def messages(simulate: Simulate, twist: Steer) -> Callable[..., list[Message]]:
+def messages(simulate, twist):
     """The messages of one sensor of a robot that drives a circle."""
 
-    def run(mount: SensorMount, seconds: float, *, seed: int = 0) -> list[Message]:
+    def run(mount, seconds, *, seed=0):
         simulation = simulate(scene=scene(mount, seed=seed))
         simulation.robots[0].command(twist(0.3, 1.0))
         steps = [simulation.step() for _ in range(round(seconds * 240))]
@@ -63,16 +56,14 @@ def messages(simulate: Simulate, twist: Steer) -> Callable[..., list[Message]]:
     return run
 
 
-def without_noise(mount: SensorMount) -> SensorMount:
+def without_noise(mount):
     if mount.kind == "depth_camera":
         return replace(mount, settings=DepthCameraSettings(64, 48))
     return replace(mount, settings=None)
 
 
 @pytest.mark.parametrize("kind", NOISY)
-def test_one_seed_gives_the_same_bytes_and_another_gives_others(
-    messages: Callable[..., list[Message]], kind: str
-) -> None:
+def test_one_seed_gives_the_same_bytes_and_another_gives_others(messages, kind):
     first, again, other = (
         [encode(message) for message in messages(NOISY[kind], 0.5, seed=seed)] for seed in (7, 7, 8)
     )
@@ -83,10 +74,8 @@ def test_one_seed_gives_the_same_bytes_and_another_gives_others(
 
 
 @pytest.mark.parametrize("kind", NOISY)
-def test_a_subscriber_that_joins_late_gets_the_same_measurements(
-    simulate: Simulate, twist: Steer, kind: str
-) -> None:
-    def payloads(*, late: bool) -> list[bytes]:
+def test_a_subscriber_that_joins_late_gets_the_same_measurements(simulate, twist, kind):
+    def payloads(*, late):
         simulation = simulate(scene=scene(NOISY[kind], seed=7))
         simulation.robots[0].command(twist(0.3, 1.0))
         for start, subscribers in ((True, Subscribers.NONE), (False, Subscribers.KNOWN)):
@@ -102,9 +91,7 @@ def test_a_subscriber_that_joins_late_gets_the_same_measurements(
 
 
 @pytest.mark.parametrize("kind", NOISY)
-def test_without_noise_the_seed_does_not_matter(
-    messages: Callable[..., list[Message]], kind: str
-) -> None:
+def test_without_noise_the_seed_does_not_matter(messages, kind):
     mount = without_noise(NOISY[kind])
     first, other = (
         [encode(message) for message in messages(mount, 0.3, seed=seed)] for seed in (7, 8)
@@ -113,7 +100,7 @@ def test_without_noise_the_seed_does_not_matter(
     assert first == other
 
 
-def test_encoders_drift_from_the_way_like_a_random_walk(simulate: Simulate, twist: Steer) -> None:
+def test_encoders_drift_from_the_way_like_a_random_walk(simulate, twist):
     # After 5 m straight on: each side is off by 0.01 sqrt(5) m, so that the forward distance is off
     # by that / sqrt(2) and the heading by that sqrt(2) / track.
     mount = replace(NOISY["odometry"], settings=OdometrySettings(0.01))
@@ -136,9 +123,7 @@ def test_encoders_drift_from_the_way_like_a_random_walk(simulate: Simulate, twis
     assert abs(np.mean(headings)) < 4 * np.std(headings) / math.sqrt(24)
 
 
-def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(
-    simulate: Simulate, twist: Steer
-) -> None:
+def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(simulate, twist):
     mount = replace(NOISY["odometry"], settings=OdometrySettings(0.05))
     noisy, exact = (simulate(scene=scene(one)) for one in (mount, replace(mount, settings=None)))
     for simulation in (noisy, exact):
@@ -155,9 +140,7 @@ def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(
     assert math.dist(first.odometry_pose, second.odometry_pose) < 0.3
 
 
-def test_odometry_and_the_transform_to_base_link_drift_together(
-    simulate: Simulate, twist: Steer
-) -> None:
+def test_odometry_and_the_transform_to_base_link_drift_together(simulate, twist):
     mounts = (
         replace(NOISY["odometry"], topic="odom"),
         SensorMount("transforms", "/tf", 50.0),
@@ -175,21 +158,19 @@ def test_odometry_and_the_transform_to_base_link_drift_together(
             assert pose.orientation.z == transform.rotation.z
 
 
-def test_white_noise_has_the_deviations_that_are_asked_for(
-    messages: Callable[..., list[Message]],
-) -> None:
+def test_white_noise_has_the_deviations_that_are_asked_for(messages):
     runs = {
         kind: (messages(NOISY[kind], 10.0), messages(without_noise(NOISY[kind]), 10.0))
         for kind in ("odometry", "wheel_states", "ground_truth")
     }
 
-    def column(kind: str, read: Callable[[Message], float]) -> float:
+    def column(kind, read):
         noisy, exact = ([read(message) for message in run] for run in runs[kind])
         error = np.subtract(noisy, exact)
         assert abs(error.mean()) < 4 * error.std() / math.sqrt(len(error))
         return float(error.std())
 
-    def near(value: float) -> object:
+    def near(value):
         return pytest.approx(value, rel=0.12)
 
     assert column("odometry", lambda m: m.twist.twist.linear.x) == near(0.02)
@@ -200,10 +181,8 @@ def test_white_noise_has_the_deviations_that_are_asked_for(
     assert column("ground_truth", lambda m: m.pose.pose.position.z) == near(0.05)
 
 
-def test_noise_does_not_depend_on_who_listens_to_other_sensors(
-    simulate: Simulate, twist: Steer
-) -> None:
-    def heard(wanted: Callable[[str], bool]) -> list[bytes]:
+def test_noise_does_not_depend_on_who_listens_to_other_sensors(simulate, twist):
+    def heard(wanted):
         simulation = simulate(scene=scene(*(replace(m, topic=k) for k, m in NOISY.items())))
         simulation.select(lambda topic: Subscribers.KNOWN if wanted(topic) else Subscribers.NONE)
         simulation.robots[0].command(twist(0.3, 1.0))
@@ -218,10 +197,8 @@ def test_noise_does_not_depend_on_who_listens_to_other_sensors(
     assert heard(lambda _: True) == heard(lambda topic: topic in ("/h0/laser", "/h0/odometry"))
 
 
-def test_the_covariance_of_the_truth_is_that_of_its_noise(
-    messages: Callable[..., list[Message]],
-) -> None:
+def test_the_covariance_of_the_truth_is_that_of_its_noise(messages):
     (first, *_) = messages(NOISY["ground_truth"], 0.1)
 
-    diagonal = [*first.pose.covariance][::7]  # type: ignore[attr-defined] # an Odometry
+    diagonal = [*first.pose.covariance][::7]
     assert diagonal == pytest.approx([0.05**2, 0.05**2, 0.05**2, 0, 0, 0.02**2])

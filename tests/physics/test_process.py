@@ -7,9 +7,6 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -22,11 +19,9 @@ from lcmtools.types.sim_msgs import GetState, Step
 from lcmtools.types.std_msgs import Header, String
 from lcmtools.types.std_srvs import Trigger
 
-Start = Callable[..., subprocess.Popen[str]]
-
 
 @pytest.fixture
-def url() -> str:
+def url():
     """A bus of this test's own, which stays on this computer."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("", 0))
@@ -34,11 +29,11 @@ def url() -> str:
 
 
 @pytest.fixture
-def start(url: str) -> Iterator[Start]:
+def start(url):
     """Starts simulators on the bus and ends those that still run."""
-    running: list[subprocess.Popen[str]] = []
+    running = []
 
-    def run(*arguments: str, environment: Mapping[str, str] | None = None) -> subprocess.Popen[str]:
+    def run(*arguments, environment=None):
         command = [sys.executable, "-m", "lcmtools_sim", *arguments, "--lcm-url", url]
         merged = {**os.environ, **(environment or {})}
         running.append(subprocess.Popen(command, stdout=-1, stderr=-1, text=True, env=merged))
@@ -51,7 +46,7 @@ def start(url: str) -> Iterator[Start]:
 
 
 @pytest.fixture
-def node(url: str) -> Iterator[lcmtools.Node]:
+def node(url):
     """A node beside the simulator."""
     lcmtools.init([], url=url)
     with lcmtools.Node("test") as node:
@@ -59,23 +54,21 @@ def node(url: str) -> Iterator[lcmtools.Node]:
     lcmtools.shutdown()
 
 
-def spin_until(node: lcmtools.Node, done: Callable[[], object]) -> None:
+def spin_until(node, done):
     deadline = time.monotonic() + 20
     while not done():
         assert time.monotonic() < deadline, "waited 20 s in vain"
         lcmtools.spin_once(node, 0.1)
 
 
-def wait_for_start(process: subprocess.Popen[str]) -> str:
+def wait_for_start(process):
     """The line that it says when it is on the bus."""
     assert process.stderr is not None
     return process.stderr.readline()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
-    start: Start, number: signal.Signals, stopwatch: Callable[[int], Any]
-) -> None:
+def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(start, number, stopwatch):
     process = start()
     line = wait_for_start(process)
 
@@ -90,7 +83,7 @@ def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(
     )
 
 
-def test_it_ends_after_its_duration_and_not_before(start: Start) -> None:
+def test_it_ends_after_its_duration_and_not_before(start):
     """Not after either, but for what the computer delays: see Pacer's tests, and bench/sim.py."""
     begun = time.monotonic()
 
@@ -101,10 +94,10 @@ def test_it_ends_after_its_duration_and_not_before(start: Start) -> None:
     assert time.monotonic() - begun > 2.0
 
 
-def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcmtools.Node) -> None:
+def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start, node):
     process = start("--rate", "4", "__name:=driver")
     assert "[/driver]: simulating" in wait_for_start(process)
-    speeds: list[float] = []
+    speeds = []
     node.create_subscription(
         Odometry, "/husky0/odometry", lambda m: speeds.append(m.twist.twist.linear.x)
     )
@@ -133,12 +126,10 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start: Start, node: lcm
     assert "/husky0/wheel_velocity_cmd: message ignored: expected" in second
 
 
-def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(
-    start: Start, node: lcmtools.Node
-) -> None:
+def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(start, node):
     process = start("--rate", "4")
     wait_for_start(process)
-    logs: list[str] = []
+    logs = []
     node.create_subscription(
         Log, "/rosout", lambda log: log.level == Log.WARN and logs.append(log.msg)
     )
@@ -146,7 +137,7 @@ def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(
     command = JointState()
     command.name, command.effort = ["l", "r"], [1, 1]
 
-    def publish_until_heard(count: int) -> bool:
+    def publish_until_heard(count):
         publisher.publish(command)
         return len(logs) >= count
 
@@ -164,11 +155,9 @@ def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(
     assert (error.count("command ignored"), error.count("command reduced")) == (1, 1)
 
 
-def test_after_requested_steps_the_clock_shows_the_time_that_is_answered(
-    start: Start, node: lcmtools.Node
-) -> None:
+def test_after_requested_steps_the_clock_shows_the_time_that_is_answered(start, node):
     wait_for_start(start("--paused"))
-    times: list[int] = []
+    times = []
     node.create_subscription(
         Clock, "/clock", lambda c: times.append(c.clock.sec * 10**9 + c.clock.nsec)
     )
@@ -181,9 +170,7 @@ def test_after_requested_steps_the_clock_shows_the_time_that_is_answered(
         assert times[-1] == answered
 
 
-def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
-    start: Start, tmp_path: Path
-) -> None:
+def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(start, tmp_path):
     world = tmp_path / "bad.yaml"
     world.write_text("robots:\n- {model: husky, namespace: a}\nobjekts: []\n")
 
@@ -197,9 +184,7 @@ def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(
         assert error.startswith(f"lcmtools run sim: {reason}")
 
 
-def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_3(
-    start: Start, tmp_path: Path
-) -> None:
+def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_3(start, tmp_path):
     # A module that cannot be imported, before the real one on the path.
     (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
     path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
@@ -217,10 +202,10 @@ def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_
 class Fleet:
     """A leader with the first Husky and a follower with the second one, watched step by step."""
 
-    def __init__(self, start: Start, node: lcmtools.Node) -> None:
+    def __init__(self, start, node):
         self.leader = start("multi", "--robots", "2", "--only", "husky0")
         self.follower = start("multi", "--robots", "2", "--only", "husky1")
-        self.times: dict[str, list[int]] = {"/husky0": [], "/husky1": []}
+        self.times = {"/husky0": [], "/husky1": []}
         for robot, times in self.times.items():
             node.create_subscription(
                 Odometry,
@@ -228,32 +213,30 @@ class Fleet:
                 lambda o, seen=times: seen.append(utime(o.header.stamp)),
             )
         # until the first one, the leader knows neither of the follower nor of its end
-        acknowledged: list[Header] = []
+        acknowledged = []
         node.create_subscription(Header, "/clock/_followed", acknowledged.append)
         self._node = node
         spin_until(node, lambda: acknowledged and all(self.times.values()))
 
-    def later(self, seconds: float) -> bool:
+    def later(self, seconds):
         """Return if the leader's robot comes so far by the simulation's time."""
         end = self.times["/husky0"][-1] + round(seconds * 1e9)
         spin_for(self._node, 2.0, lambda: self.times["/husky0"][-1] >= end)
         return self.times["/husky0"][-1] >= end
 
 
-def utime(stamp: Any) -> int:
+def utime(stamp):
     return int(stamp.sec * 10**9 + stamp.nsec)
 
 
-def spin_for(node: lcmtools.Node, seconds: float, done: Callable[[], object]) -> None:
+def spin_for(node, seconds, done):
     """Handle messages until ``done``, or for so long."""
     end = time.monotonic() + seconds
     while time.monotonic() < end and not done():
         lcmtools.spin_once(node, 0.05)
 
 
-def test_a_leader_is_never_more_than_a_step_ahead_of_a_follower(
-    start: Start, node: lcmtools.Node
-) -> None:
+def test_a_leader_is_never_more_than_a_step_ahead_of_a_follower(start, node):
     fleet = Fleet(start, node)
     node.create_client(Trigger, "/sim/pause").call(Trigger.Request(), 5.0)
     step = node.create_client(Step, "/sim/step")
@@ -273,7 +256,7 @@ def test_a_leader_is_never_more_than_a_step_ahead_of_a_follower(
     assert fleet.leader.poll() is None
 
 
-def time_of(node: lcmtools.Node, simulator: str, robot: str) -> int:
+def time_of(node, simulator, robot):
     """The time that a simulator has reached [ns]."""
     question = GetState.Request()
     question.robot = robot
@@ -281,11 +264,9 @@ def time_of(node: lcmtools.Node, simulator: str, robot: str) -> int:
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
-def test_a_followers_end_is_told_once_and_lets_the_leader_go_on(
-    start: Start, node: lcmtools.Node, number: signal.Signals
-) -> None:
+def test_a_followers_end_is_told_once_and_lets_the_leader_go_on(start, node, number):
     fleet = Fleet(start, node)
-    told: list[str] = []
+    told = []
     node.create_subscription(Log, "/rosout", lambda log: told.append(log.msg))
 
     fleet.follower.send_signal(number)  # and is not waited for: a zombie has ended

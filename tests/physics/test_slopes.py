@@ -1,33 +1,24 @@
 """A robot on a slope stands still, drives at the commanded speed, and slides if it must. Metres."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.geometry import Pose, from_euler, multiply, to_euler
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import Ground, RobotPlacement, Scene, box
-from lcmtools_sim.sensors.sensor import RobotState
-from lcmtools_sim.simulation import Simulation
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
 
 TOP = 3.0  # of the board, in its middle
 THICKNESS = 0.2
 
 
 @pytest.fixture
-def on_slope(simulate: Simulate) -> Callable[..., Simulation]:
+def on_slope(simulate):
     """A simulation of a robot that stands on a large board, which rises towards x."""
 
-    def make(
-        model: str, slope: float, yaw: float = 0.0, *, friction: float = 1.0, skids: bool = False
-    ) -> Simulation:
+    def make(model, slope, yaw=0.0, *, friction=1.0, skids=False):
         middle = TOP - THICKNESS / 2 / math.cos(slope)
         board = box("board", (20, 20, THICKNESS), Pose(0, 0, middle, 0, -slope, 0))
         upon = to_euler(multiply(from_euler(0, -slope, 0), from_euler(0, 0, yaw)))
@@ -42,13 +33,13 @@ def on_slope(simulate: Simulate) -> Callable[..., Simulation]:
     return make
 
 
-def run(simulation: Simulation, seconds: float) -> RobotState:
+def run(simulation, seconds):
     for _ in range(round(seconds / simulation.scene.dt)):
         simulation.step()
     return simulation.robots[0].state(simulation.time)
 
 
-def way(before: RobotState, after: RobotState) -> float:
+def way(before, after):
     return math.dist(before.position, after.position)
 
 
@@ -56,9 +47,7 @@ def way(before: RobotState, after: RobotState) -> float:
 @pytest.mark.parametrize(
     ("model", "skids"), [("husky", False), ("husky", True), ("pioneer", False), ("dolly", False)]
 )
-def test_it_stands_still_on_a_slope(
-    on_slope: Callable[..., Simulation], model: str, yaw: float, *, skids: bool
-) -> None:
+def test_it_stands_still_on_a_slope(on_slope, model, yaw, *, skids):
     simulation = on_slope(model, math.radians(10), yaw, skids=skids)
 
     before = run(simulation, 0.5)
@@ -68,9 +57,7 @@ def test_it_stands_still_on_a_slope(
 
 @pytest.mark.parametrize("speed", [0.5, -0.5])
 @pytest.mark.parametrize("model", MODELS)
-def test_it_drives_up_and_down_at_the_commanded_speed(
-    on_slope: Callable[..., Simulation], twist: Steer, model: str, speed: float
-) -> None:
+def test_it_drives_up_and_down_at_the_commanded_speed(on_slope, twist, model, speed):
     simulation = on_slope(model, math.radians(10))
     simulation.robots[0].command(twist(speed, 0.0))
 
@@ -83,8 +70,8 @@ def test_it_drives_up_and_down_at_the_commanded_speed(
 
 @pytest.mark.parametrize(("friction", "slides"), [(0.5, True), (0.6, False)])
 def test_it_slides_where_the_slope_is_steeper_than_its_tyres_can_hold(
-    on_slope: Callable[..., Simulation], friction: float, *, slides: bool
-) -> None:
+    on_slope, friction, *, slides
+):
     slope = math.atan(0.55 * MODELS["husky"].drive.tyre_friction)
 
     simulation = on_slope("husky", slope, friction=friction)

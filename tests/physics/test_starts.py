@@ -1,7 +1,6 @@
 """Bodies that start inside another one are reported by ``run sim --check``. Metres."""
 
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -23,13 +22,11 @@ objects:
 
 
 @pytest.fixture
-def yard(tmp_path: Path) -> Path:
+def yard(tmp_path):
     return tmp_path / "yard.yaml"
 
 
-def test_two_robots_that_start_inside_one_another_are_a_mistake_in_the_file(
-    yard: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_two_robots_that_start_inside_one_another_are_a_mistake_in_the_file(yard, capsys):
     yard.write_text(ROBOTS)
 
     assert main(["--check", str(yard)]) == 2
@@ -40,9 +37,7 @@ def test_two_robots_that_start_inside_one_another_are_a_mistake_in_the_file(
     assert captured.err == told
 
 
-def test_movable_objects_that_start_inside_something_are_warned_of_and_others_not(
-    yard: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_movable_objects_that_start_inside_something_are_warned_of_and_others_not(yard, capsys):
     yard.write_text(THINGS)
 
     assert main(["--check", str(yard)]) == 0
@@ -57,9 +52,7 @@ def test_movable_objects_that_start_inside_something_are_warned_of_and_others_no
     ]
 
 
-def test_without_an_engine_the_rest_is_checked_and_that_is_said(
-    yard: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_an_engine_the_rest_is_checked_and_that_is_said(yard, capsys, monkeypatch):
     for package in ("pybullet", "mujoco"):
         monkeypatch.setitem(sys.modules, package, None)
     yard.write_text(ROBOTS)
@@ -73,9 +66,7 @@ def test_without_an_engine_the_rest_is_checked_and_that_is_said(
 
 
 @pytest.mark.parametrize("option", ["--check", "--print-world"])
-def test_an_empty_name_is_no_world_and_starts_nothing(
-    option: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_empty_name_is_no_world_and_starts_nothing(option, capsys):
     assert main([option, ""]) == 2
 
     assert capsys.readouterr().err.startswith("lcmtools run sim: there is no world ''")

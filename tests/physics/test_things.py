@@ -1,26 +1,19 @@
 """Things fall, slide, roll and stand as mechanics says. Metres, m/s, kg, g = 9.81."""
 
 import math
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.engines.engine import RigidBody
-from lcmtools_sim.geometry import Pose, Vector, add, axes, components, rotate, scaled, to_euler
+from lcmtools_sim.geometry import Pose, add, axes, components, rotate, scaled, to_euler
 from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, SceneObject, box
-from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere, inertials_of, moments
-from lcmtools_sim.simulation import Simulation
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere, inertials_of, moments
 from lcmtools_sim.world import World
 from lcmtools_sim.world_file import read_scene
-
-Put = Callable[..., World]
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
 
 G = 9.81
 NOWHERE = (0.0, 0.0, 0.0)
@@ -29,28 +22,26 @@ CRATE = (0.4, 0.4, 0.2)
 
 
 @pytest.fixture
-def put() -> Iterator[Put]:
+def put():
     """Makes worlds of things, without robots."""
     with ExitStack() as owned:
 
-        def make(*things: SceneObject, dt: float = 1 / 240, gravity: float = G) -> World:
+        def make(*things, dt=1 / 240, gravity=G):
             return owned.enter_context(World(Scene("t", dt=dt, gravity=gravity, objects=things)))
 
         yield make
 
 
-def body(world: World, number: int = 0) -> int:
+def body(world, number=0):
     return world._objects[number][1]
 
 
-def let_pass(world: World, seconds: float, dt: float = 1 / 240) -> None:
+def let_pass(world, seconds, dt=1 / 240):
     for _ in range(round(seconds / dt)):
         world.step()
 
 
-def on_slope(
-    angle: float, shape: Shape, height: float, friction: float
-) -> tuple[SceneObject, SceneObject]:
+def on_slope(angle, shape, height, friction):
     """A ramp, and a thing on it whose centre is so high above it."""
     ramp = Pose(0, 0, 10, pitch=angle)
     up = rotate((0.0, 0.0, 1.0), ramp.rotation)
@@ -64,9 +55,7 @@ def on_slope(
 
 @pytest.mark.parametrize("gravity", [G, 1.62, 0.0])
 @pytest.mark.parametrize("dt", [1 / 60, 1 / 240, 1 / 1000])
-def test_a_crate_falls_as_galileo_says_and_comes_to_rest_on_the_ground(
-    put: Put, dt: float, gravity: float
-) -> None:
+def test_a_crate_falls_as_galileo_says_and_comes_to_rest_on_the_ground(put, dt, gravity):
     world = put(box("crate", (0.4, 0.4, 0.4), Pose(0, 0, 6.2), mass=3), dt=dt, gravity=gravity)
 
     let_pass(world, 1.0, dt)
@@ -79,13 +68,13 @@ def test_a_crate_falls_as_galileo_says_and_comes_to_rest_on_the_ground(
     assert height == pytest.approx(0.2 if gravity else 6.2, abs=1e-4)
 
 
-def test_nothing_slows_what_flies_and_its_angular_momentum_stays(put: Put) -> None:
+def test_nothing_slows_what_flies_and_its_angular_momentum_stays(put):
     size = (0.4, 0.6, 0.9)
     inertia = moments(inertials_of([Part(Cuboid(size))], 3.0), (0.0, 0.0, 0.0))
     world = put(box("crate", size, Pose(0, 0, 9), mass=3), gravity=0.0)
     world.set_velocity(body(world), (2, 0, 0), (0.2, 0.3, 2.0))
 
-    def momentum() -> Vector:
+    def momentum():
         motion = world.motion(body(world))
         frame = axes(motion.rotation)
         x, y, z = components(motion.angular_velocity, frame)
@@ -103,7 +92,7 @@ def test_nothing_slows_what_flies_and_its_angular_momentum_stays(put: Put) -> No
 
 @pytest.mark.parametrize("mass", [0.01, 20, 1000])
 @pytest.mark.parametrize("friction", [0.3, 0.6, 1.0])
-def test_a_crate_slides_as_far_as_coulomb_says(put: Put, friction: float, mass: float) -> None:
+def test_a_crate_slides_as_far_as_coulomb_says(put, friction, mass):
     world = put(box("crate", CRATE, Pose(0, 0, 0.1), mass=mass, friction=friction))
     world.set_velocity(body(world), (2, 0, 0), NOWHERE)
 
@@ -117,9 +106,7 @@ def test_a_crate_slides_as_far_as_coulomb_says(put: Put, friction: float, mass: 
 
 @pytest.mark.parametrize("degrees", [10, 20, 30])
 @pytest.mark.parametrize("share", [0.5, 0.95, 1.02])
-def test_a_crate_holds_on_a_slope_below_the_angle_of_friction_and_slides_above(
-    put: Put, degrees: float, share: float
-) -> None:
+def test_a_crate_holds_on_a_slope_below_the_angle_of_friction_and_slides_above(put, degrees, share):
     angle = math.radians(degrees)
     friction = share * math.tan(angle)
     world = put(*on_slope(angle, Cuboid(CRATE), 0.1, friction))
@@ -137,9 +124,7 @@ def test_a_crate_holds_on_a_slope_below_the_angle_of_friction_and_slides_above(
 
 
 @pytest.mark.parametrize(("shape", "share"), [(Sphere(0.2), 2 / 5), (Cylinder(0.2, 0.4), 1 / 2)])
-def test_what_is_round_rolls_down_a_slope_by_its_inertia(
-    put: Put, shape: Shape, share: float
-) -> None:
+def test_what_is_round_rolls_down_a_slope_by_its_inertia(put, shape, share):
     angle = math.radians(10)
     world = put(*on_slope(angle, shape, 0.2, 0.6))
 
@@ -151,9 +136,7 @@ def test_what_is_round_rolls_down_a_slope_by_its_inertia(
 
 @pytest.mark.parametrize("speed", [0.1, 1.0])
 @pytest.mark.parametrize("shape", [Sphere(0.2), Cylinder(0.2, 0.5)])
-def test_what_is_round_rolls_on_as_it_does_on_level_ground(
-    put: Put, shape: Shape, speed: float
-) -> None:
+def test_what_is_round_rolls_on_as_it_does_on_level_ground(put, shape, speed):
     world = put(SceneObject("it", (Part(shape),), Pose(0, 0, 0.2, LYING), 5.0))
     world.set_velocity(body(world), (speed, 0, 0), (0, speed / 0.2, 0))
 
@@ -164,7 +147,7 @@ def test_what_is_round_rolls_on_as_it_does_on_level_ground(
     assert end.position[1] == pytest.approx(0, abs=0.01)
 
 
-def test_a_ball_that_slides_ends_up_rolling_at_five_sevenths(put: Put) -> None:
+def test_a_ball_that_slides_ends_up_rolling_at_five_sevenths(put):
     world = put(SceneObject("ball", (Part(Sphere(0.2)),), Pose(0, 0, 0.2), 5.0))
     world.set_velocity(body(world), (1.4, 0, 0), NOWHERE)
 
@@ -174,7 +157,7 @@ def test_a_ball_that_slides_ends_up_rolling_at_five_sevenths(put: Put) -> None:
 
 
 @pytest.mark.parametrize("dt", [1 / 60, 1 / 240])
-def test_a_stack_stands_still_for_a_minute(put: Put, dt: float) -> None:
+def test_a_stack_stands_still_for_a_minute(put, dt):
     size = (0.5, 0.5, 0.5)
     stack = [box(f"crate{i}", size, Pose(0, 0, 0.25 + 0.5 * i), mass=5) for i in range(3)]
     world = put(*stack, dt=dt)
@@ -188,7 +171,7 @@ def test_a_stack_stands_still_for_a_minute(put: Put, dt: float) -> None:
     assert [place[2] for place in after] == pytest.approx([0.25, 0.75, 1.25], abs=1e-3)
 
 
-def test_nothing_that_falls_springs_back(put: Put) -> None:
+def test_nothing_that_falls_springs_back(put):
     world = put(
         box("crate", (0.4, 0.4, 0.4), Pose(0, 0, 2), mass=3),
         SceneObject("ball", (Part(Sphere(0.2)),), Pose(3, 0, 2), 3.0),
@@ -203,9 +186,7 @@ def test_nothing_that_falls_springs_back(put: Put) -> None:
 @pytest.mark.parametrize("dt", [1 / 240, 1 / 1000])
 @pytest.mark.parametrize("mass", [2, 8])
 @pytest.mark.parametrize("shape", [Cuboid((0.4, 0.4, 0.4)), Sphere(0.2)])
-def test_things_that_collide_go_on_with_nearly_one_speed(
-    put: Put, shape: Shape, mass: float, dt: float
-) -> None:
+def test_things_that_collide_go_on_with_nearly_one_speed(put, shape, mass, dt):
     things = [SceneObject("it", (Part(shape),), Pose(x, 0, 5), 2.0) for x in (0, 1.007)]
     world = put(things[0], replace(things[1], mass=mass), dt=dt, gravity=0.0)
     world.set_velocity(body(world), (2.0, 0, 0), NOWHERE)
@@ -219,9 +200,7 @@ def test_things_that_collide_go_on_with_nearly_one_speed(
 
 @pytest.mark.parametrize(("dt", "speed"), [(1 / 60, 20), (1 / 240, 80)])
 @pytest.mark.parametrize("shape", [Cuboid((0.1, 0.1, 0.1)), Sphere(0.05)])
-def test_what_is_thrown_does_not_go_through_a_thin_wall(
-    put: Put, shape: Shape, dt: float, speed: float
-) -> None:
+def test_what_is_thrown_does_not_go_through_a_thin_wall(put, shape, dt, speed):
     # A third of a metre in each step: it would be before the wall and then behind it.
     wall = box("wall", (0.01, 10, 4), Pose(2, 0, 2))
     world = put(wall, SceneObject("it", (Part(shape),), Pose(1.17, 0, 0.051), 1.0, 0.0), dt=dt)
@@ -232,7 +211,7 @@ def test_what_is_thrown_does_not_go_through_a_thin_wall(
     assert 1.5 < world.motion(body(world, 1)).position[0] < 2.0
 
 
-def test_the_centre_of_mass_of_a_table_is_where_its_parts_have_it() -> None:
+def test_the_centre_of_mass_of_a_table_is_where_its_parts_have_it():
     text = "objects: [{type: table, size: [1.2, 0.8, 0.75], pose: [1, 2, 90 deg], mass: 12}]"
     (table,) = read_scene(text, "hall.yaml").objects
 
@@ -243,9 +222,7 @@ def test_the_centre_of_mass_of_a_table_is_where_its_parts_have_it() -> None:
     assert table.pose.yaw == pytest.approx(math.pi / 2)
 
 
-def test_a_thing_of_several_parts_resists_as_they_do(
-    put: Put, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_thing_of_several_parts_resists_as_they_do(put, monkeypatch):
     parts = tuple(Part(Sphere(0.1), (0.0, y, 0.0)) for y in (-0.5, 0.5))
     world, made = put(), list[RigidBody]()
     monkeypatch.setattr(world._engine, "add", made.append)
@@ -259,9 +236,7 @@ def test_a_thing_of_several_parts_resists_as_they_do(
 
 @pytest.mark.parametrize("mass", [0.1, 5, 20])
 @pytest.mark.parametrize("friction", [0.2, 0.6])
-def test_a_crate_that_is_pushed_goes_straight_ahead(
-    simulate: Simulate, twist: Steer, mass: float, friction: float
-) -> None:
+def test_a_crate_that_is_pushed_goes_straight_ahead(simulate, twist, mass, friction):
     crate = box("crate", (0.5, 0.5, 0.5), Pose(1.5, 0, 0.25), mass=mass, friction=friction)
     simulation = simulate(crate)
     simulation.select(lambda _: Subscribers.NONE)
@@ -279,9 +254,7 @@ def test_a_crate_that_is_pushed_goes_straight_ahead(
     assert gap == pytest.approx(0, abs=0.005)
 
 
-def test_who_rested_for_long_is_pushed_and_drives_as_before(
-    simulate: Simulate, twist: Steer
-) -> None:
+def test_who_rested_for_long_is_pushed_and_drives_as_before(simulate, twist):
     simulation = simulate(box("crate", (0.5, 0.5, 0.5), Pose(1.5, 0, 0.25), mass=10))
     simulation.select(lambda _: Subscribers.NONE)
     world, robot = simulation._world, simulation.robots[0]
@@ -299,7 +272,7 @@ def test_who_rested_for_long_is_pushed_and_drives_as_before(
 
 
 @pytest.mark.parametrize("is_deleted", [True, False])
-def test_what_stands_on_a_robot_falls_when_it_goes(simulate: Simulate, *, is_deleted: bool) -> None:
+def test_what_stands_on_a_robot_falls_when_it_goes(simulate, *, is_deleted):
     load = box("load", (0.3, 0.3, 0.3), Pose(0, 0, 0.53), mass=5)
     robots = (RobotPlacement(HUSKY, "/a"), RobotPlacement(HUSKY, "/b", Pose(0, 5)))
     simulation = simulate(scene=Scene("load", objects=(load,), robots=robots))

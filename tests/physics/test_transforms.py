@@ -1,11 +1,9 @@
 """The frames in /tf agree with odometry and the sensors' own headers."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools_sim.geometry import Pose
@@ -13,11 +11,7 @@ from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots import MODELS
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors.sensor import SensorMount
-from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
 
 ODOMETRY = {"husky": "odometry", "pioneer": "RosAria/pose", "dolly": "odom"}
 SENSORS = {
@@ -28,10 +22,10 @@ SENSORS = {
 
 
 @pytest.fixture
-def driving(simulate: Simulate, twist: Steer) -> Callable[..., Simulation]:
+def driving(simulate, twist):
     """A simulation of one robot that drives a circle."""
 
-    def make(model: str, namespace: str = "/r0") -> Simulation:
+    def make(model, namespace="/r0"):
         robots = (RobotPlacement(MODELS[model], namespace),)
         simulation = simulate(scene=Scene("tf", robots=robots))
         simulation.robots[0].command(twist(0.5, 0.3))
@@ -44,9 +38,7 @@ def driving(simulate: Simulate, twist: Steer) -> Callable[..., Simulation]:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_odom_to_base_link_is_what_odometry_says(
-    driving: Callable[..., Simulation], model: str
-) -> None:
+def test_odom_to_base_link_is_what_odometry_says(driving, model):
     simulation, compared = driving(model), 0
     for _ in range(960):
         samples = {sample.topic: sample.message for sample in simulation.step()}
@@ -70,9 +62,7 @@ def test_odom_to_base_link_is_what_odometry_says(
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(("namespace", "prefix"), [("/r0", "r0/"), ("/a/b", "a/b/"), ("/", "")])
-def test_every_sensor_with_a_place_hangs_on_base_link(
-    driving: Callable[..., Simulation], model: str, namespace: str, prefix: str
-) -> None:
+def test_every_sensor_with_a_place_hangs_on_base_link(driving, model, namespace, prefix):
     simulation = driving(model, namespace)
     samples = [sample for _ in range(24) for sample in simulation.step()]
 
@@ -88,7 +78,7 @@ def test_every_sensor_with_a_place_hangs_on_base_link(
     assert frames <= known
 
 
-def test_an_optical_frame_looks_forward(driving: Callable[..., Simulation]) -> None:
+def test_an_optical_frame_looks_forward(driving):
     simulation = driving("pioneer")
     samples = [sample for _ in range(24) for sample in simulation.step()]
 
@@ -97,7 +87,7 @@ def test_an_optical_frame_looks_forward(driving: Callable[..., Simulation]) -> N
     assert (turned.x, turned.y, turned.z, turned.w) == pytest.approx((-0.5, 0.5, -0.5, 0.5))
 
 
-def test_two_sensors_at_two_places_have_two_frames(simulate: Simulate) -> None:
+def test_two_sensors_at_two_places_have_two_frames(simulate):
     mounts = (
         SensorMount("laser", "front/scan", 10, Pose(0.5)),
         SensorMount("laser", "rear/scan", 10, Pose(-0.5)),
@@ -123,7 +113,7 @@ def test_two_sensors_at_two_places_have_two_frames(simulate: Simulate) -> None:
     assert (told[left].y, told[right].y) == (0.3, -0.3)
 
 
-def test_a_sensor_that_a_world_file_adds_hangs_on_base_link_too(simulate: Simulate) -> None:
+def test_a_sensor_that_a_world_file_adds_hangs_on_base_link_too(simulate):
     text = """robots:
       - {model: husky, namespace: /r0, sensors: [{type: laser, topic: scan, pose: [0.4, 0, 0]}]}"""
     simulation = simulate(scene=read_scene(text, "scan.yaml"))

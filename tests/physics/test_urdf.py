@@ -1,21 +1,14 @@
 """Robots from URDF files drive as their geometry says."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools_sim.engines import ENGINES, is_installed
 from lcmtools_sim.geometry import yaw_of
-from lcmtools_sim.robot import Robot
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world_file import read_scene
-
-Simulate = Callable[..., Simulation]
-Command = Callable[[float, float], Twist]
 
 WHEEL = """
   <link name="{side}">
@@ -41,7 +34,7 @@ CART = f"""<robot name="cart">
 
 
 @pytest.fixture
-def cart(tmp_path: Path, simulate: Simulate) -> tuple[Simulation, Robot]:
+def cart(tmp_path, simulate):
     (tmp_path / "cart.urdf").write_text(CART)
     text = (
         "robots: [{model: cart.urdf, namespace: a,"
@@ -51,7 +44,7 @@ def cart(tmp_path: Path, simulate: Simulate) -> tuple[Simulation, Robot]:
     return simulation, simulation.robots[0]
 
 
-def test_it_stands_still_and_level_on_its_wheels(cart: tuple[Simulation, Robot]) -> None:
+def test_it_stands_still_and_level_on_its_wheels(cart):
     simulation, robot = cart
 
     for _ in range(480):
@@ -62,9 +55,7 @@ def test_it_stands_still_and_level_on_its_wheels(cart: tuple[Simulation, Robot])
     assert state.rotation == pytest.approx((0.0, 0.0, 0.0, 1.0), abs=1e-4)
 
 
-def test_a_commanded_circle_comes_out_within_a_hundredth(
-    cart: tuple[Simulation, Robot], twist: Command
-) -> None:
+def test_a_commanded_circle_comes_out_within_a_hundredth(cart, twist):
     simulation, robot = cart
     robot.command(twist(0.5, 0.3))
     for _ in range(480):
@@ -82,9 +73,7 @@ def test_a_commanded_circle_comes_out_within_a_hundredth(
     assert max(place[2] for place in places) - min(place[2] for place in places) < 1e-3
 
 
-def test_it_turns_on_the_spot_about_the_middle_between_its_wheels(
-    cart: tuple[Simulation, Robot], twist: Command
-) -> None:
+def test_it_turns_on_the_spot_about_the_middle_between_its_wheels(cart, twist):
     simulation, robot = cart
     robot.command(twist(0.0, 1.0))
 
@@ -99,9 +88,7 @@ def test_it_turns_on_the_spot_about_the_middle_between_its_wheels(
     assert math.hypot(*state.position[:2]) < 1e-3
 
 
-def test_a_crate_of_a_gazebo_world_can_be_pushed(
-    tmp_path: Path, cart: tuple[Simulation, Robot], simulate: Simulate, twist: Command
-) -> None:
+def test_a_crate_of_a_gazebo_world_can_be_pushed(tmp_path, cart, simulate, twist):
     crate = (
         "<sdf version='1.6'><world name='w'><model name='crate'><pose>1 0 0.15 0 0 0</pose>"
         "<link name='link'><inertial><mass>1</mass></inertial><collision name='c'><geometry><box>"
@@ -122,7 +109,7 @@ def test_a_crate_of_a_gazebo_world_can_be_pushed(
 
 
 @pytest.mark.parametrize("engine", [name for name in ENGINES if is_installed(name)])
-def test_moments_of_inertia_that_no_body_has_end_no_engine(tmp_path: Path, engine: str) -> None:
+def test_moments_of_inertia_that_no_body_has_end_no_engine(tmp_path, engine):
     (tmp_path / "cart.urdf").write_text(CART.replace('izz="0.125"', 'izz="9"'))
     text = (
         "robots: [{model: cart.urdf, namespace: a,"

@@ -1,37 +1,31 @@
 """The world for viewers: its markers, and the true frames of its bodies. Metres."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from lcmtools.messages.codec import encode
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.visualization_msgs import Marker
 from lcmtools_sim.geometry import Frame, Pose, rotate, yaw_of
 from lcmtools_sim.markers import world_markers
 from lcmtools_sim.robots import DOLLY, HUSKY, MODELS, PIONEER
 from lcmtools_sim.scene import MarkedPath, RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.shapes import Cylinder, Line, Part, Sphere
-from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.view import Poses
-
-Simulate = Callable[..., Simulation]
-Steer = Callable[[float, float], Twist]
 
 BALL = SceneObject("ball", (Part(Sphere(0.2), color=(1, 0, 0)),), Pose(3, 1, 0.2), mass=1)
 POST = SceneObject("post", (Part(Cylinder(0.1, 1.5), (0, 0, 0.1)),), Pose(-3, 1, 0.65, yaw=1))
 PATH = MarkedPath("/path", Line(((0, 0), (1, 0), (1, 1)), 0.05, (0, 0, 1)))
 
 
-def markers(simulation: Simulation, name: str) -> list[Marker]:
+def markers(simulation, name):
     message = world_markers(simulation.scene, simulation.robots, simulation.objects)
     encode(message)
     return [marker for marker in message.markers if marker.ns == name]
 
 
-def frames(simulation: Simulation) -> dict[str, tuple[str, Frame]]:
+def frames(simulation):
     """Each frame's parent and its pose there, as they are published."""
     poses = Poses(simulation.robots, simulation.objects)
     message = poses.message(simulation.time, poses.frames())
@@ -44,11 +38,11 @@ def frames(simulation: Simulation) -> dict[str, tuple[str, Frame]]:
     return found
 
 
-def triple(vector: object) -> tuple[float, float, float]:
+def triple(vector):
     return vector.x, vector.y, vector.z
 
 
-def test_each_shape_is_a_marker_of_its_size_in_the_frame_of_its_body(simulate: Simulate) -> None:
+def test_each_shape_is_a_marker_of_its_size_in_the_frame_of_its_body(simulate):
     crate = box("crate", (0.6, 0.5, 0.4), Pose(2, 3, 0.2), mass=5)
     simulation = simulate(scene=Scene("shapes", objects=(BALL, POST, crate), paths=(PATH,)))
 
@@ -63,7 +57,7 @@ def test_each_shape_is_a_marker_of_its_size_in_the_frame_of_its_body(simulate: S
     assert 2 * math.atan2(post.pose.orientation.z, post.pose.orientation.w) == pytest.approx(1)
 
 
-def test_lines_lie_on_the_ground_and_the_ground_below_zero(simulate: Simulate) -> None:
+def test_lines_lie_on_the_ground_and_the_ground_below_zero(simulate):
     simulation = simulate(scene=Scene("lines", paths=(PATH,)))
 
     (line,), (ground,) = markers(simulation, "/path"), markers(simulation, "ground")
@@ -73,9 +67,7 @@ def test_lines_lie_on_the_ground_and_the_ground_below_zero(simulate: Simulate) -
     assert ground.pose.position.z + ground.scale.z / 2 == pytest.approx(0)
 
 
-def test_the_first_marker_removes_all_and_the_others_have_numbers_of_their_own(
-    simulate: Simulate,
-) -> None:
+def test_the_first_marker_removes_all_and_the_others_have_numbers_of_their_own(simulate):
     simulation = simulate()
     found = world_markers(simulation.scene, simulation.robots, ()).markers
 
@@ -85,9 +77,7 @@ def test_the_first_marker_removes_all_and_the_others_have_numbers_of_their_own(
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
-def test_a_robot_is_shown_about_where_sensors_and_the_engine_have_it(
-    simulate: Simulate, model: object
-) -> None:
+def test_a_robot_is_shown_about_where_sensors_and_the_engine_have_it(simulate, model):
     robots = (RobotPlacement(model, "/r"),)
     simulation = simulate(scene=Scene("robot", robots=robots))
     known = frames(simulation)
@@ -109,14 +99,14 @@ def test_a_robot_is_shown_about_where_sensors_and_the_engine_have_it(
     assert len(shown) > 20
 
 
-def test_a_robot_without_a_look_shows_its_shapes(simulate: Simulate) -> None:
+def test_a_robot_without_a_look_shows_its_shapes(simulate):
     plain = replace(DOLLY, body=replace(DOLLY.body, look=type(DOLLY.body.look)()))
     simulation = simulate(scene=Scene("plain", robots=(RobotPlacement(plain, "/r"),)))
 
     assert len(markers(simulation, "/r")) == len(DOLLY.body.parts)
 
 
-def test_frames_are_the_true_ones_and_wheels_turn(simulate: Simulate, twist: Steer) -> None:
+def test_frames_are_the_true_ones_and_wheels_turn(simulate, twist):
     simulation = simulate(BALL, pose=Pose(1, -1, yaw=0.5))
     (robot,) = simulation.robots
     robot.command(twist(0.5, 0.3))
@@ -139,11 +129,11 @@ def test_frames_are_the_true_ones_and_wheels_turn(simulate: Simulate, twist: Ste
     assert known["ground_truth/ball"][1].position == pytest.approx((3, 1, 0), abs=1e-3)
 
 
-def test_odometry_begins_where_the_robot_was_put(simulate: Simulate, twist: Steer) -> None:
+def test_odometry_begins_where_the_robot_was_put(simulate, twist):
     simulation = simulate(pose=Pose(1, -1, yaw=0.5))
     (robot,) = simulation.robots
 
-    def estimated() -> tuple[float, float]:
+    def estimated():
         """Where the odometry has base_link in the world."""
         x, y, _ = robot.state(simulation.time).odometry_pose
         parent, odometry = frames(simulation)["husky0/odom"]
@@ -159,15 +149,13 @@ def test_odometry_begins_where_the_robot_was_put(simulate: Simulate, twist: Stee
     assert estimated() == pytest.approx((-3, 2))
 
 
-def test_frames_of_a_robot_in_the_global_namespace_begin_with_no_slash(
-    simulate: Simulate,
-) -> None:
+def test_frames_of_a_robot_in_the_global_namespace_begin_with_no_slash(simulate):
     simulation = simulate(scene=Scene("global", robots=(RobotPlacement(PIONEER, "/"),)))
 
     assert {"ground_truth/base_footprint", "odom"} < frames(simulation).keys()
 
 
-def test_objects_with_one_name_have_frames_of_their_own(simulate: Simulate) -> None:
+def test_objects_with_one_name_have_frames_of_their_own(simulate):
     crates = (box("crate", (1, 1, 1), Pose(3 * i, 0, 0.5), mass=5) for i in range(3))
     simulation = simulate(scene=Scene("crates", objects=tuple(crates)))
 

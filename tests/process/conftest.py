@@ -6,14 +6,10 @@ import pty
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
 
 import pytest
 from fixtures import tcpq_server_program
-from fixtures.command import Result
-from fixtures.programs import Program
-from fixtures.window import LiveWindow, Open
+from fixtures.window import LiveWindow
 
 from lcmtools import Node
 from lcmtools.bus.udp_bus import UdpBus
@@ -30,7 +26,7 @@ class TcpqServer:
         url: Its address.
     """
 
-    def __init__(self) -> None:
+    def __init__(self):
         self._process = subprocess.Popen(
             [sys.executable, tcpq_server_program.__file__],
             stdin=subprocess.PIPE,
@@ -39,36 +35,36 @@ class TcpqServer:
         )
         self.url = self._answer()
 
-    def close(self) -> None:
+    def close(self):
         """Drop all connections, as a server that crashes does."""
         assert self._order("close") == "None"
 
-    def reopen(self) -> None:
+    def reopen(self):
         """Be there again, at the same address, and know nothing of before."""
         assert self._order("reopen") == "None"
 
-    def end(self) -> None:
+    def end(self):
         """End the process."""
         self._process.communicate(timeout=40)
 
     @property
-    def patterns(self) -> int:
+    def patterns(self):
         """The number of patterns that clients have subscribed to."""
         return int(self._order("patterns"))
 
-    def _order(self, what: str) -> str:
+    def _order(self, what):
         assert self._process.stdin
         self._process.stdin.write(f"{what}\n")
         self._process.stdin.flush()
         return self._answer()
 
-    def _answer(self) -> str:
+    def _answer(self):
         assert self._process.stdout
         return self._process.stdout.readline().strip()
 
 
 @pytest.fixture
-def tcpq_server() -> Iterator[TcpqServer]:
+def tcpq_server():
     """A tcpq server of this test's own."""
     server = TcpqServer()
     yield server
@@ -83,39 +79,39 @@ class Receiver:
         name: The node's name.
     """
 
-    def __init__(self, start_node: Callable[..., Any], name: str = "receiver") -> None:
+    def __init__(self, start_node, name="receiver"):
         self._start_node = start_node
         self._names = (f"{name}{number}" for number in itertools.count(2))
         self.node = node = start_node(lambda: Node(name)).node
-        self._marks: list[int] = []
+        self._marks = []
         self._mark = node.create_publisher(UInt64, "~mark")
         node.create_subscription(UInt64, "~mark", lambda m: self._marks.append(m.data))
 
-    def subscribe(self, topic: str, kind: str = "std_msgs/String") -> Callable[[], list[Any]]:
+    def subscribe(self, topic, kind="std_msgs/String"):
         """Subscribe to a topic; the result gives all messages of it since, as plain values."""
         self._pass_mark()  # messages sent before may still wait in this node's socket
-        found: list[Any] = []
+        found = []
         take = self.node.create_subscription
         take(message_class(kind), topic, lambda message: found.append(to_plain(message)), 1000)
 
-        def messages() -> list[Any]:
+        def messages():
             for _ in range(2):  # the second mark is dealt with after all that came with the first
                 self._pass_mark()
             return found
 
         return messages
 
-    def forget(self, topic: str) -> None:
+    def forget(self, topic):
         """Subscribe to a topic no more."""
         for subscription in tuple(self.node.callbacks.subscriptions):
             if subscription.topic == topic:
                 self.node.destroy_subscription(subscription)
 
-    def another(self) -> "Receiver":
+    def another(self):
         """Return one more node, which leaves as this one does."""
         return Receiver(self._start_node, next(self._names))
 
-    def _pass_mark(self) -> None:
+    def _pass_mark(self):
         number = len(self._marks)
         self._mark.publish(UInt64())
         deadline = time.monotonic() + 40.0
@@ -125,16 +121,16 @@ class Receiver:
 
 
 @pytest.fixture(scope="module")
-def receiver(module_start_node: Callable[..., Any]) -> Receiver:
+def receiver(module_start_node):
     """A node on the module's bus that keeps what it receives."""
     return Receiver(module_start_node)
 
 
 @pytest.fixture
-def on_terminal(lcmtools_path: str) -> Callable[..., str]:
+def on_terminal(lcmtools_path):
     """``on_terminal("list", TERM="xterm")``: what a command writes where all is a terminal."""
 
-    def run(*arguments: str, **environment: str) -> str:
+    def run(*arguments, **environment):
         ours, theirs = pty.openpty()
         process = subprocess.Popen(
             [lcmtools_path, *arguments],
@@ -158,7 +154,7 @@ def on_terminal(lcmtools_path: str) -> Callable[..., str]:
 
 
 @pytest.fixture
-def bus(bus_url: str) -> Iterator[UdpBus]:
+def bus(bus_url):
     """A connection to the test's bus."""
     bus = UdpBus(parse_url(bus_url))
     yield bus
@@ -166,7 +162,7 @@ def bus(bus_url: str) -> Iterator[UdpBus]:
 
 
 @pytest.fixture
-def other(bus_url: str) -> Iterator[UdpBus]:
+def other(bus_url):
     """A second connection to the same bus."""
     bus = UdpBus(parse_url(bus_url))
     yield bus
@@ -174,21 +170,16 @@ def other(bus_url: str) -> Iterator[UdpBus]:
 
 
 @pytest.fixture
-def on_bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def on_bus(bus_url, monkeypatch):
     """A bus of the test's own, for everything that it starts."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
 
 @pytest.fixture
-def node(
-    start: Callable[..., Program],
-    cli: Callable[..., Result],
-    lcmtools_path: str,
-    wait_until: Callable[..., None],
-) -> Callable[..., Program]:
+def node(start, cli, lcmtools_path, wait_until):
     """``node("talker", "__ns:=/a")``: a node that runs and is listed."""
 
-    def run(*words: str) -> Program:
+    def run(*words):
         program = start(lcmtools_path, "run", *words)
         wait_until(lambda: f'"pid": {program.pid},' in cli("node", "list", "--json").out)
         return program
@@ -197,11 +188,11 @@ def node(
 
 
 @pytest.fixture
-def open_window(bus_url: str) -> Iterator[Open]:
+def open_window(bus_url):
     """A server of the window on the test's bus."""
-    windows: list[LiveWindow] = []
+    windows = []
 
-    def run(host: str | None = None, **options: Any) -> LiveWindow:
+    def run(host=None, **options):
         windows.append(LiveWindow(bus_url, host, **options))
         return windows[-1]
 

@@ -1,8 +1,6 @@
 """Nodes that spin in the background, and signals."""
 
 import signal
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -42,9 +40,7 @@ print("running" if spin.is_running() else "stopped", flush=True)
         (["--handle", "--shutdown"], "interrupted, ended"),
     ],
 )
-def test_ctrl_c_in_the_main_thread(
-    start_python: Callable[..., Any], bus_url: str, options: list[str], result: str
-) -> None:
+def test_ctrl_c_in_the_main_thread(start_python, bus_url, options, result):
     program = start_python(_SCRIPT, *options, LCM_DEFAULT_URL=bus_url)
     program.wait_for("ready")
     program.send_signal(signal.SIGINT)

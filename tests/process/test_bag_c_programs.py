@@ -4,9 +4,7 @@ import json
 import shutil
 import subprocess
 import sysconfig
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line
@@ -17,11 +15,10 @@ from lcmtools.types.geometry_msgs import Twist
 _PACKAGES = Path(sysconfig.get_path("purelib"))
 _HERE = Path(__file__).parent
 _TYPES = _HERE.parents[1] / "lcm_types/geometry_msgs"
-Cli = Callable[..., Any]
 
 
 @pytest.fixture(scope="module")
-def drive(tmp_path_factory: pytest.TempPathFactory) -> str:
+def drive(tmp_path_factory):
     """The C program, with the types as lcm-gen makes them for C."""
     compiler = shutil.which("gcc") or pytest.skip("no gcc to compile C programs with")
     folder = tmp_path_factory.mktemp("c")
@@ -36,13 +33,8 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def test_messages_of_a_c_program_are_recorded_shown_and_played_to_another_one(
-    drive: str,
-    bus_url: str,
-    tmp_path: Path,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    cli: Cli,
-) -> None:
+    drive, bus_url, tmp_path, start, lcmtools_path, cli
+):
     path = tmp_path / "drive.lcmlog"
     words = ("-o", str(path), "-n", "20", "C_DRIVE")
     recorder = start(lcmtools_path, "bag", "record", *words, LCM_DEFAULT_URL=bus_url)
@@ -70,7 +62,7 @@ def test_messages_of_a_c_program_are_recorded_shown_and_played_to_another_one(
     ]
 
 
-def test_a_log_of_a_c_program_is_read(drive: str, tmp_path: Path, cli: Cli) -> None:
+def test_a_log_of_a_c_program_is_read(drive, tmp_path, cli):
     path = str(tmp_path / "c.lcmlog")
     subprocess.run([drive, "write", path, "20"], check=True)
     with Log(path) as log:
@@ -82,7 +74,7 @@ def test_a_log_of_a_c_program_is_read(drive: str, tmp_path: Path, cli: Cli) -> N
     assert Path(f"{path}.fixed").read_bytes() == Path(path).read_bytes()
 
 
-def test_a_c_program_reads_what_lcmtools_writes(drive: str, tmp_path: Path, cli: Cli) -> None:
+def test_a_c_program_reads_what_lcmtools_writes(drive, tmp_path, cli):
     path, cut = str(tmp_path / "c.lcmlog"), str(tmp_path / "cut.lcmlog")
     subprocess.run([drive, "write", path, "20"], check=True)
     assert_line(cli("bag", "cut", path, cut, "-s", "1s").err, "lcmtools bag cut: ", "latched")

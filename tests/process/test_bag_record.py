@@ -5,10 +5,7 @@ import os
 import re
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
-from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
@@ -23,7 +20,6 @@ from lcmtools.bag.series import LogSeries
 from lcmtools.bus import multicast
 from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
-from lcmtools.names import Resolver
 from lcmtools.observe.reading.find import GLOBAL
 from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -31,23 +27,21 @@ from lcmtools.packages.user_types import source_text
 from lcmtools.types.geometry_msgs import PointStamped
 from lcmtools.types.std_msgs import Bool, String
 
-WaitUntil = Callable[..., None]
-
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     return tmp_path / "ride.lcmlog"
 
 
 @contextmanager
 def _recording(
-    url: str,
-    path: Path,
-    topics: Sequence[str] = (),
-    limits: Limits = Limits(),  # noqa: B008 - frozen
-    snapshot: SnapshotPlan | None = None,
-    names: Resolver = GLOBAL,
-) -> Iterator[BagRecorder]:
+    url,
+    path,
+    topics=(),
+    limits=Limits(),  # noqa: B008 - frozen
+    snapshot=None,
+    names=GLOBAL,
+):
     split = limits.split_bytes is not None
     with (
         open_bus(parse_url(url), os.environ) as monitor,
@@ -62,21 +56,21 @@ def _recording(
         yield recorder
 
 
-def _publish(bus: lcm.LCM, channel: str, count: int, size: int = 10) -> list[bytes]:
+def _publish(bus, channel, count, size=10):
     payloads = [number.to_bytes(4, "big") * (size // 4) for number in range(count)]
     for payload in payloads:
         bus.publish(channel, payload)
     return payloads
 
 
-def _payloads(path: Path, channel: str) -> list[bytes]:
+def _payloads(path, channel):
     with LogFile(path) as log:
         return [packet.payload for packet in log.packets() if packet.channel == channel]
 
 
 def test_messages_of_plain_programs_and_nodes_are_recorded_with_their_senders(
-    bus_url: str, path: Path, start_node: Callable[..., Any], wait_until: WaitUntil
-) -> None:
+    bus_url, path, start_node, wait_until
+):
     plain = lcm.LCM(bus_url)
     with _recording(bus_url, path) as recorder:
         node = start_node(lambda: Node("driver"))
@@ -102,7 +96,7 @@ def test_messages_of_plain_programs_and_nodes_are_recorded_with_their_senders(
         assert all(loss.lost == 0 and loss.sent for loss in log.losses().values())
 
 
-def test_lcm_reads_the_log(bus_url: str, path: Path, wait_until: WaitUntil) -> None:
+def test_lcm_reads_the_log(bus_url, path, wait_until):
     with _recording(bus_url, path) as recorder:
         sent = _publish(lcm.LCM(bus_url), "EXAMPLE", 50, size=1000)
         wait_until(lambda: recorder.progress().messages == 50)
@@ -114,9 +108,7 @@ def test_lcm_reads_the_log(bus_url: str, path: Path, wait_until: WaitUntil) -> N
 
 
 @pytest.mark.usefixtures("private_network")
-def test_bursts_of_large_messages_have_room_in_usual_buffers(
-    path: Path, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bursts_of_large_messages_have_room_in_usual_buffers(path, wait_until, monkeypatch):
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
     url = "udpm://239.255.76.67:7667?ttl=0"
     bus = lcm.LCM(url)
@@ -128,9 +120,7 @@ def test_bursts_of_large_messages_have_room_in_usual_buffers(
     assert _payloads(path, "IMAGE") == sent
 
 
-def test_files_are_split_and_begin_with_what_is_latched(
-    bus_url: str, path: Path, start_node: Callable[..., Any], wait_until: WaitUntil
-) -> None:
+def test_files_are_split_and_begin_with_what_is_latched(bus_url, path, start_node, wait_until):
     node = start_node(lambda: Node("map_server"))
     publisher = node.node.create_publisher(String, "/map")
     publisher.is_latched = True
@@ -157,8 +147,8 @@ def test_files_are_split_and_begin_with_what_is_latched(
 
 
 def test_a_snapshot_has_what_came_before_and_after_it_was_wanted(
-    bus_url: str, tmp_path: Path, path: Path, wait_until: WaitUntil
-) -> None:
+    bus_url, tmp_path, path, wait_until
+):
     plain = lcm.LCM(bus_url)
     snapshot = SnapshotPlan(60.0, after=0.2, is_wanted=lambda packet: packet.channel == "STOP")
     with _recording(bus_url, path, snapshot=snapshot) as recorder:
@@ -178,7 +168,7 @@ def test_a_snapshot_has_what_came_before_and_after_it_was_wanted(
     assert len(_payloads(path.with_name("ride_1.lcmlog"), "EXAMPLE")) == 9
 
 
-def test_a_recording_ends_by_the_bound_of_each_topic(bus_url: str, path: Path) -> None:
+def test_a_recording_ends_by_the_bound_of_each_topic(bus_url, path):
     plain = lcm.LCM(bus_url)
     with _recording(bus_url, path, ("A", "B"), Limits(messages=3)) as recorder:
         _publish(plain, "A", 5)
@@ -189,7 +179,7 @@ def test_a_recording_ends_by_the_bound_of_each_topic(bus_url: str, path: Path) -
     assert [len(_payloads(path, channel)) for channel in "ABC"] == [3, 3, 0]
 
 
-def test_a_pause_leaves_messages_out(bus_url: str, path: Path, wait_until: WaitUntil) -> None:
+def test_a_pause_leaves_messages_out(bus_url, path, wait_until):
     plain = lcm.LCM(bus_url)
     with _recording(bus_url, path) as recorder:
         _publish(plain, "A", 1)
@@ -245,8 +235,8 @@ print("all are dead", flush=True)
 
 
 def test_a_hundred_recorders_killed_at_any_instant_leave_readable_logs(
-    bus_url: str, tmp_path: Path, start_python: Callable[..., Any]
-) -> None:
+    bus_url, tmp_path, start_python
+):
     start_python(_KILLED, LCM_DEFAULT_URL=bus_url).wait_for("all are dead", timeout=100.0)
     logs = sorted(tmp_path.glob("*.lcmlog"))
     assert len(logs) == 100
@@ -262,13 +252,11 @@ def test_a_hundred_recorders_killed_at_any_instant_leave_readable_logs(
     assert seen > 100
 
 
-def test_a_full_disk_ends_it_with_one_line_and_a_readable_log(
-    bus_url: str, path: Path, start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_full_disk_ends_it_with_one_line_and_a_readable_log(bus_url, path, start, lcmtools_path):
     command = ("bag", "record", "-o", str(path))
     program = start("prlimit", "--fsize=100000", lcmtools_path, *command, LCM_DEFAULT_URL=bus_url)
     plain = lcm.LCM(bus_url)
-    sent: list[bytes] = []
+    sent = []
     while program._process.poll() is None:
         sent += _publish(plain, "EXAMPLE", 10, size=1000)
         if path.exists():
@@ -284,13 +272,11 @@ def test_a_full_disk_ends_it_with_one_line_and_a_readable_log(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_it_with_all_that_came(
-    bus_url: str, path: Path, cli: Callable[..., Any], number: signal.Signals
-) -> None:
+def test_a_signal_ends_it_with_all_that_came(bus_url, path, cli, number):
     plain = lcm.LCM(bus_url)
     is_sent = False
 
-    def has_sent(_: str) -> bool:
+    def has_sent(_):
         nonlocal is_sent
         if path.exists() and not is_sent:
             is_sent = True
@@ -306,12 +292,10 @@ def test_a_signal_ends_it_with_all_that_came(
     assert len(_payloads(path, "EXAMPLE")) == 20
 
 
-def test_a_signal_that_comes_as_it_begins_ends_it_too(
-    bus_url: str, path: Path, cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_signal_that_comes_as_it_begins_ends_it_too(bus_url, path, cli, monkeypatch):
     start = threading.Thread.start
 
-    def start_and_interrupt(thread: threading.Thread) -> None:
+    def start_and_interrupt(thread):
         start(thread)
         if thread.name == "recorder":
             signal.raise_signal(signal.SIGTERM)
@@ -324,14 +308,7 @@ def test_a_signal_that_comes_as_it_begins_ends_it_too(
     assert not [one for one in threading.enumerate() if one.name == "recorder"]
 
 
-def test_services_pause_and_go_on(
-    bus_url: str,
-    path: Path,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    cli: Callable[..., Any],
-    wait_until: WaitUntil,
-) -> None:
+def test_services_pause_and_go_on(bus_url, path, start, lcmtools_path, cli, wait_until):
     words = ("-o", str(path), "--paused", "--services", "/recorder", "-n", "1", "EXAMPLE")
     program = start(lcmtools_path, "bag", "record", *words, LCM_DEFAULT_URL=bus_url)
     environment = {"LCM_DEFAULT_URL": bus_url}
@@ -344,22 +321,18 @@ def test_services_pause_and_go_on(
     assert len(_payloads(path, "EXAMPLE")) == 1
 
 
-def _recorder(start: Callable[..., Any], lcmtools_path: str, url: str, *words: str) -> Any:
+def _recorder(start, lcmtools_path, url, *words):
     return start(lcmtools_path, "bag", "record", *words, LCM_DEFAULT_URL=url)
 
 
-def test_a_short_recording_names_what_was_silent_too(
-    bus_url: str, path: Path, cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_short_recording_names_what_was_silent_too(bus_url, path, cli, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     made = cli("bag", "record", "/silent", "--duration", "0.1s", "-o", str(path))
     line = made.err.splitlines()[0]
     assert_says(line, "lcmtools bag record: ", "no message", "/silent", "lcmtools list")
 
 
-def test_what_was_recorded_is_reported_as_json(
-    bus_url: str, path: Path, start: Callable[..., Any], lcmtools_path: str, wait_until: WaitUntil
-) -> None:
+def test_what_was_recorded_is_reported_as_json(bus_url, path, start, lcmtools_path, wait_until):
     words = ("-o", str(path), "-n", "5", "EXAMPLE", "--json")
     program = _recorder(start, lcmtools_path, bus_url, *words)
     wait_until(path.exists)  # it has joined the bus before
@@ -374,13 +347,7 @@ def test_what_was_recorded_is_reported_as_json(
     }
 
 
-def test_tcpq_is_recorded(
-    tcpq_server: Any,
-    path: Path,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    wait_until: WaitUntil,
-) -> None:
+def test_tcpq_is_recorded(tcpq_server, path, start, lcmtools_path, wait_until):
     words = ("-o", str(path), "-n", "20", "EXAMPLE")
     program = _recorder(start, lcmtools_path, tcpq_server.url, *words)
     wait_until(lambda: tcpq_server.patterns)
@@ -392,8 +359,8 @@ def test_tcpq_is_recorded(
 
 
 def test_a_condition_saves_a_snapshot_of_what_came_before_and_after(
-    bus_url: str, path: Path, start: Callable[..., Any], lcmtools_path: str, wait_until: WaitUntil
-) -> None:
+    bus_url, path, start, lcmtools_path, wait_until
+):
     words = ("--snapshot", "1m", "--after", "100ms", "--when", "/estop m.data", "-o", str(path))
     program = _recorder(start, lcmtools_path, bus_url, *words)
     bus, stop = lcm.LCM(bus_url), Bool()
@@ -412,14 +379,12 @@ def test_a_condition_saves_a_snapshot_of_what_came_before_and_after(
     assert "12 messages" in program.output
 
 
-def _tools(url: str) -> str:
+def _tools(url):
     with BusMonitor(parse_url(url), "test", os.environ) as monitor:
         return str([node.name for node in monitor.discover().nodes])
 
 
-def test_keys_pause_save_and_end(
-    bus_url: str, path: Path, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_keys_pause_save_and_end(bus_url, path, lcmtools_path, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     words = ("bag", "record", "--snapshot", "1m", "-o", str(path))
     with closing(Typist(lcmtools_path, *words)) as typist:
@@ -442,13 +407,8 @@ def test_keys_pause_save_and_end(
 
 @pytest.mark.parametrize(("size", "least"), [(1000, 1_040_000), (200_000, 5 * 200_000)])
 def test_a_disk_of_a_megabyte_is_filled_to_the_last_message_that_fits(
-    bus_url: str,
-    tmp_path: Path,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    size: int,
-    least: int,
-) -> None:
+    bus_url, tmp_path, start, lcmtools_path, size, least
+):
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     disk.mkdir()
     kept.mkdir()

@@ -6,12 +6,9 @@ import signal
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 import lcmtools.bag
@@ -28,49 +25,43 @@ from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.types.std_msgs import Float64, Header, String
 from lcmtools.wire.packet import Packet, Sender
 
-Cli = Callable[..., Result]
 _NODE = Path(__file__).parent / "programs/played_to.py"
 _START, _STEP = 1_700_000_000_000_000_000, 20_000_000  # [ns]
 _COUNT = 60
 
 
-def number(data: float) -> bytes:
+def number(data):
     return Float64(data=data).encode()
 
 
-def written(path: Path, packets: list[Packet]) -> str:
+def written(path, packets):
     with LogWriter(path, force=True) as log:
         for packet in sorted(packets, key=lambda one: one.time):
             log.add(packet)
     return str(path)
 
 
-def inputs(count: int = _COUNT, topic: str = "/in") -> list[Packet]:
+def inputs(count=_COUNT, topic="/in"):
     return [Packet(topic, number(n + 1.0), _START + n * _STEP) for n in range(count)]
 
 
-def outputs(count: int = _COUNT, topic: str = "/out") -> list[Packet]:
+def outputs(count=_COUNT, topic="/out"):
     """What was recorded of a doubler: 3 ms after each input."""
     times = (_START + n * _STEP + 3_000_000 for n in range(count))
     return [Packet(topic, number(2.0 * (n + 1)), time) for n, time in enumerate(times)]
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> str:
+def log(tmp_path):
     """A log of a doubler."""
     return written(tmp_path / "doubled.lcmlog", inputs() + outputs())
 
 
-Rerun = Callable[..., tuple[int, dict[str, Any]]]
-
-
 @pytest.fixture
-def rerun(cli: Cli, log: str) -> Rerun:
+def rerun(cli, log):
     """``rerun(word..., log=, options=())``: the exit code, and the report as JSON."""
 
-    def run(
-        *words: str, log: str = log, options: tuple[str, ...] = ()
-    ) -> tuple[int, dict[str, Any]]:
+    def run(*words, log=log, options=()):
         program = (sys.executable, str(_NODE), *words)
         done = cli("bag", "rerun", log, "--json", *options, "--", *program)
         return done.code, json.loads(done.out)
@@ -78,11 +69,11 @@ def rerun(cli: Cli, log: str) -> Rerun:
     return run
 
 
-def topic(report: dict[str, Any], name: str = "/out") -> dict[str, Any]:
+def topic(report, name="/out"):
     return next(one for one in report["topics"] if one["topic"] == name)
 
 
-def test_a_node_that_does_as_recorded_is_equal(rerun: Rerun) -> None:
+def test_a_node_that_does_as_recorded_is_equal(rerun):
     code, report = rerun(options=("--twice",))
     assert (code, report["equal"], report["lockstep"]) == (0, True, True)
     assert (report["inputs"], report["input_topics"]) == (_COUNT, ["/in"])
@@ -91,7 +82,7 @@ def test_a_node_that_does_as_recorded_is_equal(rerun: Rerun) -> None:
     assert found["delay_recorded"] == pytest.approx(0.003)
 
 
-def test_a_gain_changed_by_a_percent_is_found_and_named(rerun: Rerun) -> None:
+def test_a_gain_changed_by_a_percent_is_found_and_named(rerun):
     code, report = rerun("_gain:=2.02")
     found = topic(report)
     assert (code, found["differing"], found["fields"]) == (1, _COUNT, {"data": _COUNT})
@@ -110,7 +101,7 @@ def test_a_gain_changed_by_a_percent_is_found_and_named(rerun: Rerun) -> None:
         pytest.param("_gain:=-2.0", "differing", _COUNT, id="swapped-sign"),
     ],
 )
-def test_a_wrong_message_is_named(rerun: Rerun, words: str, key: str, expected: Any) -> None:
+def test_a_wrong_message_is_named(rerun, words, key, expected):
     code, report = rerun(words, options=("--delay", "10ms"))
     assert code == 1
     assert topic(report)[key] == (
@@ -133,9 +124,7 @@ def test_a_wrong_message_is_named(rerun: Rerun, words: str, key: str, expected: 
         ("out:=elsewhere", (), "it published /elsewhere, which the log does not have"),
     ],
 )
-def test_a_program_that_fails_is_named_with_its_last_lines(
-    rerun: Rerun, words: str, options: tuple[str, ...], says: str
-) -> None:
+def test_a_program_that_fails_is_named_with_its_last_lines(rerun, words, options, says):
     code, report = rerun(words, options=options)
     assert code == 1
     assert_says("\n".join(report["trouble"]), says)
@@ -143,8 +132,8 @@ def test_a_program_that_fails_is_named_with_its_last_lines(
         assert report["last_lines"] == ["the end is near"]
 
 
-def test_a_timer_follows_the_time_of_the_log(rerun: Rerun, tmp_path: Path) -> None:
-    def tick(n: int) -> Packet:
+def test_a_timer_follows_the_time_of_the_log(rerun, tmp_path):
+    def tick(n):
         time = _START + n * 250_000_000
         header = Header()
         header.stamp.sec, header.stamp.nsec = divmod(time, 10**9)
@@ -156,8 +145,8 @@ def test_a_timer_follows_the_time_of_the_log(rerun: Rerun, tmp_path: Path) -> No
     assert (code, found["now"], found["matched"]) == (0, 4, 4), report
 
 
-def test_a_recorded_clock_is_the_time_of_nodes(rerun: Rerun, tmp_path: Path) -> None:
-    def clock(n: int) -> Packet:
+def test_a_recorded_clock_is_the_time_of_nodes(rerun, tmp_path):
+    def clock(n):
         message = Clock()
         message.clock.sec, message.clock.nsec = divmod(n * _STEP, 10**9)
         return Packet("/clock", message.encode(), _START + n * _STEP)
@@ -170,16 +159,14 @@ def test_a_recorded_clock_is_the_time_of_nodes(rerun: Rerun, tmp_path: Path) -> 
     assert found["first"]["now"] == pytest.approx(0.26)  # the first clock after 0.25 s
 
 
-def test_an_output_that_the_program_subscribes_to_later_is_passed_on(
-    rerun: Rerun, tmp_path: Path
-) -> None:
+def test_an_output_that_the_program_subscribes_to_later_is_passed_on(rerun, tmp_path):
     echo = outputs(topic="/echo")[4:]
     log = written(tmp_path / "e.lcmlog", inputs() + outputs() + echo)
     code, report = rerun("_subscribe_at:=5", log=log, options=("--twice",))
     assert (code, topic(report, "/echo")["matched"]) == (0, _COUNT - 4), report
 
 
-def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_path: Path) -> None:
+def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun, tmp_path):
     with LogWriter(tmp_path / "shared.lcmlog") as log:
         names = ("/doubler", "/other")
         own, other = (log.sender_number(Sender("10.0.0.1", n), one) for n, one in enumerate(names))
@@ -199,16 +186,14 @@ def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun: Rerun, tmp_
         ("loop", 1, "it publishes without waiting for messages (lcmtools.spin)"),
     ],
 )
-def test_a_program_that_publishes_by_itself_is_played_to_in_real_time(
-    rerun: Rerun, word: str, code: int, reason: str
-) -> None:
+def test_a_program_that_publishes_by_itself_is_played_to_in_real_time(rerun, word, code, reason):
     found, report = rerun(word)
     assert (found, report["real_time"]) == (code, reason)
     assert report["lateness"] >= 0
     assert topic(report)["matched"] == (_COUNT if word == "thread" else 0)
 
 
-def test_a_plain_c_program_is_played_to_in_real_time(tmp_path: Path, cli: Cli) -> None:
+def test_a_plain_c_program_is_played_to_in_real_time(tmp_path, cli):
     compiler = shutil.which("gcc") or pytest.skip("no gcc to compile C programs with")
     source = Path(__file__).parents[2] / "lcm_types/std_msgs/Float64.lcm"
     subprocess.run([find_lcm_gen(), "-c", source], cwd=tmp_path, check=True)
@@ -222,7 +207,7 @@ def test_a_plain_c_program_is_played_to_in_real_time(tmp_path: Path, cli: Cli) -
     assert (done.code, report["lockstep"], topic(report, "OUT")["matched"]) == (0, False, _COUNT)
 
 
-def test_a_launch_file_is_run_and_chains_are_exact(tmp_path: Path, cli: Cli) -> None:
+def test_a_launch_file_is_run_and_chains_are_exact(tmp_path, cli):
     launch = tmp_path / "chain.yaml"
     node = f"exec: {sys.executable}, args: {_NODE}"
     launch.write_text(
@@ -240,20 +225,20 @@ def test_a_launch_file_is_run_and_chains_are_exact(tmp_path: Path, cli: Cli) -> 
     }
 
 
-def odometry(n: int) -> bytes:
+def odometry(n):
     message = Odometry()
     message.header.stamp.sec, message.header.stamp.nsec = divmod(_START + n * _STEP, 10**9)
     message.twist.twist.linear.x = 0.3 * (1 - 0.9**n)
     return message.encode()
 
 
-def desired(n: int) -> bytes:
+def desired(n):
     twist = Twist()
     twist.linear.x, twist.angular.z = 0.3 + 0.1 * (n % 2), 0.2
     return twist.encode()
 
 
-def scan(n: int) -> bytes:
+def scan(n):
     return LaserScan(
         angle_min=-1.0, angle_increment=1.0, range_max=9.0, ranges=[n + 1.0] * 3
     ).encode()
@@ -268,7 +253,7 @@ _LABS = {
 """The labs' nodes with what they subscribe to, and the output that they do not announce."""
 
 
-def drive(path: Path, topics: dict[str, Callable[[int], bytes]]) -> str:
+def drive(path, topics):
     """Write a log of inputs."""
     times = [(n, _START + n * _STEP) for n in range(100)]
     packets = [
@@ -280,7 +265,7 @@ def drive(path: Path, topics: dict[str, Callable[[int], bytes]]) -> str:
 
 
 @pytest.mark.parametrize("name", _LABS)
-def test_the_nodes_of_the_labs_say_the_same_again(name: str, tmp_path: Path, cli: Cli) -> None:
+def test_the_nodes_of_the_labs_say_the_same_again(name, tmp_path, cli):
     topics, output = _LABS[name]
     inputs, saved = drive(tmp_path / "inputs.lcmlog", topics), str(tmp_path / "saved.lcmlog")
     options = ("--json", *(("--output", output) if output else ()))
@@ -292,7 +277,7 @@ def test_the_nodes_of_the_labs_say_the_same_again(name: str, tmp_path: Path, cli
     assert sum(one["matched"] for one in report["topics"]) >= 3
 
 
-def test_a_gain_of_a_lab_that_is_changed_by_a_percent_is_found(tmp_path: Path, cli: Cli) -> None:
+def test_a_gain_of_a_lab_that_is_changed_by_a_percent_is_found(tmp_path, cli):
     log, saved = drive(tmp_path / "i.lcmlog", _LABS["simple_controller"][0]), tmp_path / "s.lcmlog"
     program = ("--", "lcmtools", "run", "simple_controller")
     cli("bag", "rerun", log, "--save", str(saved), *program)
@@ -303,23 +288,23 @@ def test_a_gain_of_a_lab_that_is_changed_by_a_percent_is_found(tmp_path: Path, c
 class Doubled(Node):
     """A node for this process."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("doubled")
         self._out = self.create_publisher(Float64, "out")
         self.create_subscription(Float64, "in", self._double)
 
-    def _double(self, message: Float64) -> None:
+    def _double(self, message):
         self._out.publish(Float64(data=2 * message.data))
 
 
-def test_a_class_of_nodes_is_tested_in_this_process(log: str) -> None:
+def test_a_class_of_nodes_is_tested_in_this_process(log):
     result = lcmtools.bag.rerun(log, Doubled, twice=True)
     assert result, result
     assert not lcmtools.bag.rerun(log, Doubled, arguments=["out:=other"])
 
 
-def test_inputs_can_be_changed(log: str) -> None:
-    def late(one: lcmtools.bag.Input) -> lcmtools.bag.Input | None:
+def test_inputs_can_be_changed(log):
+    def late(one):
         if one.message.data == 7:
             return None
         return one._replace(time=one.time + 10 * _STEP) if one.message.data == 9 else one
@@ -331,9 +316,7 @@ def test_inputs_can_be_changed(log: str) -> None:
     assert result.topics[0].now == _COUNT - 10
 
 
-def test_a_saved_rerun_is_the_same_each_time_and_a_new_reference(
-    log: str, tmp_path: Path, cli: Cli
-) -> None:
+def test_a_saved_rerun_is_the_same_each_time_and_a_new_reference(log, tmp_path, cli):
     program = ("--", sys.executable, str(_NODE), "_gain:=3.0")
     saved = [tmp_path / name for name in ("a.lcmlog", "b.lcmlog")]
     for path in saved:
@@ -350,7 +333,7 @@ def test_a_saved_rerun_is_the_same_each_time_and_a_new_reference(
     assert len(lcmtools.bag.open(tmp_path / "c.lcmlog").topics) == 3
 
 
-def test_a_report_is_written_as_junit_and_as_a_picture(log: str, tmp_path: Path, cli: Cli) -> None:
+def test_a_report_is_written_as_junit_and_as_a_picture(log, tmp_path, cli):
     pytest.importorskip("matplotlib")
     xml, picture = tmp_path / "r.xml", tmp_path / "p.png"
     words = ("--junit", str(xml), "--plot", str(picture))
@@ -360,16 +343,14 @@ def test_a_report_is_written_as_junit_and_as_a_picture(log: str, tmp_path: Path,
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_tolerances_come_from_a_contract(rerun: Rerun, tmp_path: Path) -> None:
+def test_tolerances_come_from_a_contract(rerun, tmp_path):
     contract = tmp_path / "contract.yaml"
     contract.write_text("topics:\n  /out:\n    min_rate: 1\n    fields: {data: 2%}\n")
     assert rerun("_gain:=2.02", options=("--against", str(contract)))[0] == 0
     assert rerun("_gain:=2.1", options=("--against", str(contract)))[0] == 1
 
 
-def test_a_log_that_is_cut_or_goes_back_in_time_is_played_and_noted(
-    rerun: Rerun, log: str, tmp_path: Path
-) -> None:
+def test_a_log_that_is_cut_or_goes_back_in_time_is_played_and_noted(rerun, log, tmp_path):
     cut = tmp_path / "cut.lcmlog"
     cut.write_bytes(Path(log).read_bytes()[:-30])
     code, report = rerun(log=str(cut))
@@ -383,7 +364,7 @@ def test_a_log_that_is_cut_or_goes_back_in_time_is_played_and_noted(
     assert_says(report["notes"][0], "go back")
 
 
-def test_a_log_that_cannot_be_used_is_refused(log: str, tmp_path: Path, cli: Cli) -> None:
+def test_a_log_that_cannot_be_used_is_refused(log, tmp_path, cli):
     (tmp_path / "empty.lcmlog").touch()
     program = ("--", sys.executable, str(_NODE))
     assert_says(cli("bag", "rerun", str(tmp_path / "empty.lcmlog"), *program).err, "it is empty")
@@ -392,10 +373,10 @@ def test_a_log_that_cannot_be_used_is_refused(log: str, tmp_path: Path, cli: Cli
     done = cli("bag", "rerun", log, "--", "./nothere")
     assert_says(done.err, "cannot start ./nothere: No such file or directory")
     with pytest.raises(UsageError):
-        lcmtools.bag.rerun(log, Float64)  # type: ignore[arg-type]
+        lcmtools.bag.rerun(log, Float64)
 
 
-def test_another_version_of_a_type_is_noted(rerun: Rerun, tmp_path: Path) -> None:
+def test_another_version_of_a_type_is_noted(rerun, tmp_path):
     other = [one._replace(payload=Twist().encode()) for one in inputs()]
     code, report = rerun(log=written(tmp_path / "o.lcmlog", other + outputs()))
     assert (code, len(topic(report)["missing"])) == (1, _COUNT)
@@ -403,9 +384,7 @@ def test_another_version_of_a_type_is_noted(rerun: Rerun, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("is_played", [False, True], ids=["at-its-start", "while-played-to"])
-def test_ctrl_c_leaves_no_process(
-    log: str, start: Callable[..., Any], lcmtools_path: str, tmp_path: Path, *, is_played: bool
-) -> None:
+def test_ctrl_c_leaves_no_process(log, start, lcmtools_path, tmp_path, *, is_played):
     pid, hangs = tmp_path / "pid", tmp_path / "hangs"
     line = f"echo $$ > {pid}.new; mv {pid}.new {pid}; exec {sys.executable} {_NODE} _hang_at:=5"
     words = ("bag", "rerun", log, "--timeout", "60s", "--", "sh", "-c", line)

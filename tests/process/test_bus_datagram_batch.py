@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="a call of Linux
 _SIZES = [*range(100), 1000, 65_000, 0, 65_507]  # more than one call takes
 
 
-def _receiver() -> socket.socket:
+def _receiver():
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 20)
     receiver.bind(("127.0.0.1", 0))
@@ -22,7 +22,7 @@ def _receiver() -> socket.socket:
     return receiver
 
 
-def test_data_senders_times_and_times_to_live_are_those_of_the_datagrams() -> None:
+def test_data_senders_times_and_times_to_live_are_those_of_the_datagrams():
     with _receiver() as receiver, _receiver() as one, _receiver() as other:
         assert request_arrival(receiver)
         other.setsockopt(socket.IPPROTO_IP, socket.IP_TTL, 7)
@@ -43,7 +43,7 @@ def test_data_senders_times_and_times_to_live_are_those_of_the_datagrams() -> No
             assert times == sorted(times)
 
 
-def test_a_closed_socket_is_an_error() -> None:
+def test_a_closed_socket_is_an_error():
     with _receiver() as receiver:
         batch = DatagramBatch(receiver)
     with pytest.raises(OSError, match="descriptor"):

@@ -5,10 +5,7 @@ import random
 import signal
 import socket
 import time
-from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
@@ -19,14 +16,13 @@ from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.processes import udp_sockets
 from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.udp_sender import PACED_ABOVE_BYTES, UdpSender
-from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import FRAGMENT_MAX, MESSAGE_MAX, ShortMessage, fragments, parse
 from lcmtools.wire.packet import Sender
 from lcmtools.wire.reader import Reader
 
 _SO_RCVBUFFORCE = 33  # Linux's number; the socket module has no name for it
-WaitUntil = Callable[..., None]
 _PATIENCE = 40.0  # [s]
 _LARGE = "/large", bytes(65_499)
 _URL = "udpm://239.255.76.67:7667?ttl=0"
@@ -54,17 +50,14 @@ except (KeyboardInterrupt, OSError):
 """
 
 
-def _payload(size: int) -> bytes:
+def _payload(size):
     return random.Random(size).randbytes(size)  # noqa: S311 - a picture, no secret
 
 
 @pytest.mark.usefixtures("private_network")
 def test_images_at_30_hz_reach_receivers_with_default_buffers(
-    start: Callable[..., Any],
-    start_python: Callable[..., Any],
-    lcm_program: Callable[[str], str],
-    wait_until: WaitUntil,
-) -> None:
+    start, start_python, lcm_program, wait_until
+):
     """Images of 1 MB, until both receivers have had 30: without the pauses none arrives whole.
 
     How many arrive of those that are sent is measured by bench/large.py.
@@ -78,7 +71,7 @@ def test_images_at_30_hz_reach_receivers_with_default_buffers(
     with closing(UdpBus(parse_url(_URL))) as bus:
         next_time = time.monotonic()
 
-        def both_have_30() -> bool:
+        def both_have_30():
             nonlocal next_time
             bus.publish("BIG", payload)
             now = time.monotonic()
@@ -89,7 +82,7 @@ def test_images_at_30_hz_reach_receivers_with_default_buffers(
         wait_until(both_have_30)
 
 
-def test_a_paced_message_is_to_the_byte_what_liblcm_sends(bus_url: str) -> None:
+def test_a_paced_message_is_to_the_byte_what_liblcm_sends(bus_url):
     url = parse_url(bus_url)
     with receiving_socket(url) as receiver:
         receiver.settimeout(5.0)
@@ -106,13 +99,8 @@ def test_a_paced_message_is_to_the_byte_what_liblcm_sends(bus_url: str) -> None:
 
 
 def test_a_plain_lcm_program_and_lcm_logger_get_every_byte(
-    start: Callable[..., Any],
-    start_python: Callable[..., Any],
-    lcm_program: Callable[[str], str],
-    tmp_path: Path,
-    wait_until: WaitUntil,
-    bus_url: str,
-) -> None:
+    start, start_python, lcm_program, tmp_path, wait_until, bus_url
+):
     log, url = tmp_path / "big.log", f"{bus_url}&recv_buf_size=4000000"
     logger = start(lcm_program("lcm-logger"), "-c", "BIG", "-f", str(log), f"--lcm-url={url}")
     plain = start_python(_RECEIVER, url)
@@ -122,7 +110,7 @@ def test_a_plain_lcm_program_and_lcm_logger_get_every_byte(
         payload = _payload(size)
         line, start_bytes = f"BIG {size} {hashlib.sha256(payload).hexdigest()}", _size_of(log)
 
-        def arrived(payload: bytes = payload, line: str = line, before: int = start_bytes) -> bool:
+        def arrived(payload=payload, line=line, before=start_bytes):
             bus.publish("BIG", payload)  # until both have it: either may be too busy once
             time.sleep(0.02)
             return line in plain.lines and _size_of(log) >= before + len(payload)
@@ -138,12 +126,12 @@ def test_a_plain_lcm_program_and_lcm_logger_get_every_byte(
     assert len(shown) == len(_SIZES)
 
 
-def _size_of(file: Path) -> int:
+def _size_of(file):
     return file.stat().st_size if file.exists() else 0
 
 
 @contextmanager
-def _everything_heard(url: BusUrl) -> Iterator[Callable[[int], list[bytes]]]:
+def _everything_heard(url):
     """A receiver that loses nothing, however late it reads; its messages in their order."""
     with receiving_socket(url) as receiver:
         try:
@@ -153,8 +141,8 @@ def _everything_heard(url: BusUrl) -> Iterator[Callable[[int], list[bytes]]]:
         receiver.settimeout(30.0)
         reader = Reader(whole=True)
 
-        def next_messages(count: int) -> list[bytes]:
-            found: list[bytes] = []
+        def next_messages(count):
+            found = []
             while len(found) < count:
                 data, (host, port) = receiver.recvfrom(65_536)
                 packet = reader.read(data, Sender(host, port), 0)
@@ -165,7 +153,7 @@ def _everything_heard(url: BusUrl) -> Iterator[Callable[[int], list[bytes]]]:
         yield next_messages
 
 
-def test_messages_of_mixed_sizes_all_leave_in_their_order(bus_url: str) -> None:
+def test_messages_of_mixed_sizes_all_leave_in_their_order(bus_url):
     sent = [_payload(size) for size in (0, 10, 65_000, 119_000, 121_000, 500_000, 7)]
     url = parse_url(bus_url)
     with _everything_heard(url) as next_messages, closing(UdpBus(url)) as bus:
@@ -174,7 +162,7 @@ def test_messages_of_mixed_sizes_all_leave_in_their_order(bus_url: str) -> None:
         assert next_messages(len(sent)) == sent  # a small one overtakes no large one before it
 
 
-def test_large_messages_keep_their_order(bus_url: str) -> None:
+def test_large_messages_keep_their_order(bus_url):
     sent = [bytes([number]) * 200_000 for number in range(20)]
     url = parse_url(bus_url)
     with _everything_heard(url) as next_messages, closing(UdpBus(url)) as bus:
@@ -183,7 +171,7 @@ def test_large_messages_keep_their_order(bus_url: str) -> None:
         assert next_messages(len(sent)) == sent
 
 
-def test_closing_sends_what_is_queued(bus_url: str) -> None:
+def test_closing_sends_what_is_queued(bus_url):
     sent = [bytes(300_000)] * 10
     url = parse_url(bus_url)
     with _everything_heard(url) as next_messages:
@@ -194,9 +182,9 @@ def test_closing_sends_what_is_queued(bus_url: str) -> None:
         assert next_messages(len(sent)) == sent
 
 
-def test_a_message_that_lcm_does_not_carry_is_refused(bus_url: str) -> None:
+def test_a_message_that_lcm_does_not_carry_is_refused(bus_url):
     class Huge(bytes):
-        def __len__(self) -> int:
+        def __len__(self):
             return MESSAGE_MAX + 1
 
     bus = UdpBus(parse_url(bus_url))
@@ -205,9 +193,7 @@ def test_a_message_that_lcm_does_not_carry_is_refused(bus_url: str) -> None:
     bus.close()
 
 
-def test_a_publisher_that_is_faster_than_the_pace_waits(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_publisher_that_is_faster_than_the_pace_waits(bus_url, monkeypatch):
     monkeypatch.setattr("lcmtools.bus.udp_sender.MAX_WAITING_BYTES", 1_000_000)
     sender = UdpSender(parse_url(bus_url))
     most = 0
@@ -218,7 +204,7 @@ def test_a_publisher_that_is_faster_than_the_pace_waits(
     sender.close()
 
 
-def test_a_closed_sender_takes_nothing(bus_url: str) -> None:
+def test_a_closed_sender_takes_nothing(bus_url):
     sender = UdpSender(parse_url(bus_url))
     sender.close()
     with pytest.raises(BusError, match="closed"):
@@ -227,7 +213,7 @@ def test_a_closed_sender_takes_nothing(bus_url: str) -> None:
 
 
 @pytest.mark.skipif(not IS_LINUX, reason="UDP_SEGMENT is Linux's")
-def test_messages_of_one_size_leave_together_and_the_others_are_left(bus_url: str) -> None:
+def test_messages_of_one_size_leave_together_and_the_others_are_left(bus_url):
     url = parse_url(bus_url)
     small = [
         (f"/r{n}", bytes([n]) * 100) for n in range(3, 60)
@@ -242,22 +228,20 @@ def test_messages_of_one_size_leave_together_and_the_others_are_left(bus_url: st
 
 
 @pytest.mark.usefixtures("private_network")
-def test_what_the_network_does_not_take_together_is_left(ip: Callable[..., None]) -> None:
+def test_what_the_network_does_not_take_together_is_left(ip):
     ip("link", "set", "lo", "mtu", "1500")
     with closing(UdpSender(parse_url(_URL))) as sender:
         assert sender.send_together(2 * [("/a", bytes(2000))]) == [0, 1]
 
 
-def test_nothing_is_sent_together_while_a_large_message_leaves(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nothing_is_sent_together_while_a_large_message_leaves(bus_url, monkeypatch):
     monkeypatch.setattr(UdpSender, "_run", lambda _: None)  # it leaves for ever
     with closing(UdpSender(parse_url(bus_url))) as sender:
         sender.send("BIG", bytes(300_000))
         assert sender.send_together([("/a", b"1"), ("/a", b"2")]) == [0, 1]
 
 
-def _datagrams(receiver: socket.socket, count: int) -> list[bytes]:
+def _datagrams(receiver, count):
     """The next datagrams, without the sequence number, which is the sender's own."""
     found = []
     while len(found) < count:

@@ -2,9 +2,8 @@
 
 import socket
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pytest
 from fixtures.says import assert_says
@@ -22,7 +21,7 @@ from lcmtools.bus.multicast import (
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.udp_bus import UdpBus
-from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
@@ -31,12 +30,7 @@ _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 @pytest.mark.timing
 @pytest.mark.usefixtures("bare_network")
 @pytest.mark.parametrize("open_bus", [UdpBus, Tap])
-def test_no_route_is_an_error_at_once_whose_hint_mends_it(
-    open_bus: Callable[[BusUrl], Any],
-    ip: Callable[..., None],
-    capfd: pytest.CaptureFixture[str],
-    stopwatch: Callable[[], Any],
-) -> None:
+def test_no_route_is_an_error_at_once_whose_hint_mends_it(open_bus, ip, capfd, stopwatch):
     watch = stopwatch()
     with pytest.raises(BusError) as caught:
         open_bus(_URL)
@@ -49,14 +43,14 @@ def test_no_route_is_an_error_at_once_whose_hint_mends_it(
 
 
 @pytest.mark.usefixtures("bare_network")
-def test_no_route_for_mpudpm_is_the_same_error() -> None:
+def test_no_route_for_mpudpm_is_the_same_error():
     with pytest.raises(BusError, match="no multicast route"):
         LcmBus(parse_url("mpudpm://239.255.76.67:7667"))
 
 
 @pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
-def test_a_check_that_succeeds_takes_under_50_ms(stopwatch: Callable[[], Any]) -> None:
+def test_a_check_that_succeeds_takes_under_50_ms(stopwatch):
     check_multicast(_URL)
     watch = stopwatch()
     check_multicast(_URL)
@@ -65,9 +59,7 @@ def test_a_check_that_succeeds_takes_under_50_ms(stopwatch: Callable[[], Any]) -
 
 @pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
-def test_a_group_that_is_shut_off_is_an_error_at_once(
-    ip: Callable[..., None], stopwatch: Callable[[], Any]
-) -> None:
+def test_a_group_that_is_shut_off_is_an_error_at_once(ip, stopwatch):
     ip("route", "add", "unreachable", "239.255.76.67")
     watch = stopwatch()
     with pytest.raises(BusError, match="no multicast route"):
@@ -76,7 +68,7 @@ def test_a_group_that_is_shut_off_is_an_error_at_once(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_forbidden_group_points_to_the_route(ip: Callable[..., None]) -> None:
+def test_a_forbidden_group_points_to_the_route(ip):
     ip("route", "add", "prohibit", "239.255.76.67")
     with pytest.raises(BusError, match="a prohibit route forbids") as caught:
         check_multicast(_URL)
@@ -85,9 +77,7 @@ def test_a_forbidden_group_points_to_the_route(ip: Callable[..., None]) -> None:
 
 @pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
-def test_a_datagram_that_does_not_come_back_is_an_error_within_half_a_second(
-    stopwatch: Callable[[], Any],
-) -> None:
+def test_a_datagram_that_does_not_come_back_is_an_error_within_half_a_second(stopwatch):
     with (
         sending_socket(_URL) as sender,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as deaf,
@@ -102,7 +92,7 @@ def test_a_datagram_that_does_not_come_back_is_an_error_within_half_a_second(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_the_check_finds_its_own_datagram_among_others() -> None:
+def test_the_check_finds_its_own_datagram_among_others():
     with sending_socket(_URL) as sender, receiving_socket(_URL) as receiver:
         with sending_socket(_URL) as other:
             for number in range(500):
@@ -111,7 +101,7 @@ def test_the_check_finds_its_own_datagram_among_others() -> None:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_port_that_a_program_keeps_for_itself_is_named() -> None:
+def test_a_port_that_a_program_keeps_for_itself_is_named():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as selfish:
         selfish.bind(("", _URL.port))
         with pytest.raises(BusError, match="not share it") as caught:
@@ -119,7 +109,7 @@ def test_a_port_that_a_program_keeps_for_itself_is_named() -> None:
     assert "ss -ulnp 'sport = :7667'" in caught.value.hint
 
 
-def test_the_check_leaves_no_open_file(bus_url: str) -> None:
+def test_the_check_leaves_no_open_file(bus_url):
     url = parse_url(bus_url)
     before = sorted(Path("/proc/self/fd").iterdir())
     for _ in range(5):
@@ -127,7 +117,7 @@ def test_the_check_leaves_no_open_file(bus_url: str) -> None:
     assert sorted(Path("/proc/self/fd").iterdir()) == before
 
 
-def test_the_receive_buffer_is_what_the_system_grants() -> None:
+def test_the_receive_buffer_is_what_the_system_grants():
     limit = int(Path("/proc/sys/net/core/rmem_max").read_text())
     assert receive_buffer_bytes() == min(8 << 20, limit)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -137,19 +127,19 @@ def test_the_receive_buffer_is_what_the_system_grants() -> None:
 
 
 @pytest.mark.parametrize("ttl", [0, 1, 7, 255])
-def test_datagrams_travel_as_far_as_the_url_says(ttl: int) -> None:
+def test_datagrams_travel_as_far_as_the_url_says(ttl):
     with sending_socket(parse_url(f"udpm://?ttl={ttl}")) as sender:
         assert sender.getsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL) == ttl
 
 
-def test_groups_on_one_port_do_not_hear_each_other(free_port: Callable[[], int]) -> None:
+def test_groups_on_one_port_do_not_hear_each_other(free_port):
     port = free_port()
     one, other = (parse_url(f"udpm://239.255.76.{last}:{port}") for last in (67, 68))
     with receiving_socket(one) as a, receiving_socket(other) as b, sending_socket(one) as sender:
         sender.sendto(b"x", (one.host, port))
         a.settimeout(5.0)
         assert a.recv(10) == b"x"
-        b.setblocking(False)  # noqa: FBT003
+        b.setblocking(False)
         with pytest.raises(BlockingIOError):
             b.recv(10)
 
@@ -159,7 +149,7 @@ class _Noting(socket.socket):
 
     noted: ClassVar[list[tuple[socket.socket, tuple[int, int]]]] = []
 
-    def setsockopt(self, level: int, option: int, *value: Any) -> None:
+    def setsockopt(self, level, option, *value):
         """Set an option, as a socket does."""
         super().setsockopt(level, option, *value)
         self.noted.append((self, (level, option)))
@@ -175,9 +165,7 @@ class _Noting(socket.socket):
     ],
     ids=["tap", "recorder", "channel", "probe"],
 )
-def test_the_kernel_stamps_datagrams_before_the_first_can_come(
-    opened: Callable[[BusUrl], Any], bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_kernel_stamps_datagrams_before_the_first_can_come(opened, bus_url, monkeypatch):
     monkeypatch.setattr(_Noting, "noted", [])
     monkeypatch.setattr(socket, "socket", _Noting)
     opened(parse_url(bus_url)).close()
@@ -216,9 +204,7 @@ except BusError as error:
 
 
 @pytest.mark.parametrize("url", ["", "memq://"])
-def test_a_process_may_have_over_a_thousand_files_but_for_liblcm(
-    start_python: Callable[..., Any], bus_url: str, url: str
-) -> None:
+def test_a_process_may_have_over_a_thousand_files_but_for_liblcm(start_python, bus_url, url):
     program = start_python(_MANY_FILES, url or bus_url)
     assert program.wait() == 0
     if url:

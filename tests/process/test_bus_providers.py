@@ -4,11 +4,8 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
@@ -24,13 +21,11 @@ from lcmtools.errors import BusError
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.sources import open_observer
 
-WaitUntil = Callable[..., None]
 
-
-def test_tcpq_carries_messages_of_any_size(tcpq_server: Any, wait_until: WaitUntil) -> None:
+def test_tcpq_carries_messages_of_any_size(tcpq_server, wait_until):
     url = parse_url(tcpq_server.url)
     bus, other = LcmBus(url), LcmBus(url)
-    heard: list[bytes] = []
+    heard = []
     other.subscribe("a.b", lambda payload, _: heard.append(payload))
     bus.publish("PROBE", b"")
     while not heard:  # the server takes the subscription when it gets to it
@@ -45,24 +40,24 @@ def test_tcpq_carries_messages_of_any_size(tcpq_server: Any, wait_until: WaitUnt
     other.close()
 
 
-def test_tcpq_sends_each_message_at_once(tcpq_server: Any) -> None:
+def test_tcpq_sends_each_message_at_once(tcpq_server):
     """Nagle's algorithm holds a message back for 40 ms, and the answer to it as long again."""
     instance = open_lcm(parse_url(tcpq_server.url))
     with socket.socket(fileno=os.dup(instance.fileno())) as connection:
         assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
-def test_many_threads_may_use_tcpq_at_once(tcpq_server: Any, wait_until: WaitUntil) -> None:
+def test_many_threads_may_use_tcpq_at_once(tcpq_server, wait_until):
     """Without a lock, liblcm mixes up their bytes."""
     bus, heard = LcmBus(parse_url(tcpq_server.url)), []
     bus.subscribe("a", lambda payload, _: heard.append(payload))
 
-    def talk(number: int) -> None:
+    def talk(number):
         for _ in range(1500):
             bus.publish("a", bytes([number]) * 50)
 
-    def come_and_go() -> None:
-        def handler(_payload: bytes, _time: int) -> None:
+    def come_and_go():
+        def handler(_payload, _time):
             """Hear, and do nothing."""
 
         for _ in range(100):
@@ -78,9 +73,7 @@ def test_many_threads_may_use_tcpq_at_once(tcpq_server: Any, wait_until: WaitUnt
     bus.close()
 
 
-def test_no_tcpq_server_is_one_line_with_the_address(
-    capfd: pytest.CaptureFixture[str], stopwatch: Callable[[], Any]
-) -> None:
+def test_no_tcpq_server_is_one_line_with_the_address(capfd, stopwatch):
     with socket.create_server(("127.0.0.1", 0)) as reserved:
         port = reserved.getsockname()[1]
     watch = stopwatch()
@@ -93,7 +86,7 @@ def test_no_tcpq_server_is_one_line_with_the_address(
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_server_that_says_nothing_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_that_says_nothing_is_one_line(monkeypatch):
     """As a computer does that hangs: it takes connections, and liblcm waits without end."""
     monkeypatch.setattr(preflight, "_ANSWER_TIMEOUT", 0.1)
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -102,8 +95,8 @@ def test_a_server_that_says_nothing_is_one_line(monkeypatch: pytest.MonkeyPatch)
             preflight.check_bus(parse_url(f"tcpq://127.0.0.1:{port}"))
 
 
-def test_a_server_of_something_else_is_one_line() -> None:
-    def answer(server: socket.socket) -> None:
+def test_a_server_of_something_else_is_one_line():
+    def answer(server):
         client, _ = server.accept()
         with client:
             client.sendall(b"SSH-2.0-")
@@ -117,21 +110,19 @@ def test_a_server_of_something_else_is_one_line() -> None:
         answering.result(timeout=40)
 
 
-def test_an_unknown_tcpq_host_is_one_line() -> None:
+def test_an_unknown_tcpq_host_is_one_line():
     with raises_saying(BusError, "no LCM server", "no-such-host.invalid:7700"):
         LcmBus(parse_url("tcpq://no-such-host.invalid"))
 
 
 @pytest.mark.parametrize("_turn", range(8))  # which thread notices first is a matter of luck
-def test_a_tcpq_server_that_dies_hangs_nobody(
-    tcpq_server: Any, wait_until: WaitUntil, stopwatch: Callable[[], Any], _turn: int
-) -> None:
+def test_a_tcpq_server_that_dies_hangs_nobody(tcpq_server, wait_until, stopwatch, _turn):
     bus = LcmBus(parse_url(tcpq_server.url))
     handler = lambda _payload, _time: None  # noqa: E731
     bus.subscribe("a", handler)
     tcpq_server.close()
 
-    def refused() -> bool:
+    def refused():
         try:
             bus.publish("a", b"x")
         except BusError:
@@ -147,12 +138,12 @@ def test_a_tcpq_server_that_dies_hangs_nobody(
     assert watch.seconds() < 1.0
 
 
-def test_a_tcpq_server_that_is_back_is_used_again(tcpq_server: Any, wait_until: WaitUntil) -> None:
+def test_a_tcpq_server_that_is_back_is_used_again(tcpq_server, wait_until):
     url = parse_url(tcpq_server.url)
     with closing(LcmBus(url)) as bus:
-        told: list[str] = []
+        told = []
         bus.on_outage = told.append
-        heard: list[bytes] = []
+        heard = []
         bus.subscribe("a", lambda payload, _: heard.append(payload))
         tcpq_server.close()
         wait_until(lambda: told)
@@ -169,7 +160,7 @@ def test_a_tcpq_server_that_is_back_is_used_again(tcpq_server: Any, wait_until: 
         assert_says(back, str(url), "back")
 
 
-def _is_heard(bus: LcmBus, heard: list[bytes], payload: bytes) -> bool:
+def _is_heard(bus, heard, payload):
     try:
         bus.publish("a", payload)
     except BusError:
@@ -177,7 +168,7 @@ def _is_heard(bus: LcmBus, heard: list[bytes], payload: bytes) -> bool:
     return payload in heard
 
 
-def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server: Any, wait_until: WaitUntil) -> None:
+def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server, wait_until):
     bus, told = LcmBus(parse_url(tcpq_server.url)), []
     bus.on_outage = told.append
     tcpq_server.close()
@@ -186,9 +177,7 @@ def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server: Any, wait_until:
     assert not any(thread.name == "bus receiver" for thread in threading.enumerate())
 
 
-def test_nodes_hear_again_and_say_once_what_happened(
-    tcpq_server: Any, start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_nodes_hear_again_and_say_once_what_happened(tcpq_server, start, lcmtools_path):
     bus = {"LCM_DEFAULT_URL": tcpq_server.url}
     listener = start(lcmtools_path, "run", "listener", **bus)
     talker = start(lcmtools_path, "run", "talker", **bus)
@@ -204,13 +193,13 @@ def test_nodes_hear_again_and_say_once_what_happened(
     assert sum("is lost; it is tried" in line for line in listener.lines) == 1
 
 
-def test_a_listener_on_tcpq_hears_everything(tcpq_server: Any, wait_until: WaitUntil) -> None:
+def test_a_listener_on_tcpq_hears_everything(tcpq_server, wait_until):
     url = parse_url(tcpq_server.url)
     bus = LcmBus(url)
     with LcmObserver(url) as listener:
-        heard: list[object] = []
+        heard = []
 
-        def hear() -> bool:
+        def hear():
             bus.publish("A.b*", b"12345678rest")
             heard.extend(listener.receive(0.05))
             return bool(heard)
@@ -230,10 +219,8 @@ def test_a_listener_on_tcpq_hears_everything(tcpq_server: Any, wait_until: WaitU
     bus.close()
 
 
-def test_a_listener_hears_again_when_its_server_is_back(
-    tcpq_server: Any, wait_until: WaitUntil
-) -> None:
-    told: list[tuple[str, str]] = []
+def test_a_listener_hears_again_when_its_server_is_back(tcpq_server, wait_until):
+    told = []
     url = parse_url(tcpq_server.url)
     with LcmObserver(url, lambda *what: told.append(what)) as listener:
         tcpq_server.close()
@@ -254,8 +241,8 @@ def test_a_listener_hears_again_when_its_server_is_back(
 
 @pytest.mark.parametrize("command", [("echo", "/chatter"), ("hz", "/chatter")])
 def test_commands_that_look_go_on_when_the_server_is_back(
-    tcpq_server: Any, start: Callable[..., Any], lcmtools_path: str, command: tuple[str, ...]
-) -> None:
+    tcpq_server, start, lcmtools_path, command
+):
     bus = {"LCM_DEFAULT_URL": tcpq_server.url}
     talker = start(lcmtools_path, "run", "talker", **bus)
     looking = start(lcmtools_path, *command, **bus)
@@ -270,7 +257,7 @@ def test_commands_that_look_go_on_when_the_server_is_back(
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> Path:
+def log(tmp_path):
     """A log of five messages, 1 ms apart."""
     path = tmp_path / "a.log"
     with closing(lcm.EventLog(str(path), "w", overwrite=True)) as events:
@@ -279,8 +266,8 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log: Path) -> None:
-    payloads: list[bytes] = []
+def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log):
+    payloads = []
     with LcmObserver(parse_url(f"file://{log}?speed=0")) as listener:
         while len(payloads) < 5:
             payloads += [packet.payload for packet in listener.receive(5.0)]
@@ -290,7 +277,7 @@ def test_a_listener_on_a_log_hears_all_of_it_and_then_its_end(log: Path) -> None
             listener.receive(5.0)
 
 
-def test_a_watch_on_a_log_sees_its_topics(log: Path) -> None:
+def test_a_watch_on_a_log_sees_its_topics(log):
     with BusMonitor(parse_url(f"file://{log}?speed=0"), "list", {}) as watch:
         graph = watch.settle()
     assert graph.topic_names() == ["/n"]
@@ -298,22 +285,20 @@ def test_a_watch_on_a_log_sees_its_topics(log: Path) -> None:
 
 
 @pytest.mark.parametrize("content", ["", "\n", "hello world, this is no log"])
-def test_a_file_that_is_no_log_is_named(
-    tmp_path: Path, content: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_is_no_log_is_named(tmp_path, content, capfd):
     (tmp_path / "a.log").write_text(content)
     with raises_saying(BusError, "/a.log'", "not an LCM log"):
         LcmObserver(parse_url(f"file://{tmp_path}/a.log"))
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_log_that_is_not_there_is_named(tmp_path: Path) -> None:
+def test_a_log_that_is_not_there_is_named(tmp_path):
     for open_bus in (LcmBus, LcmObserver):
         with raises_saying(BusError, "cannot read", "/none.log'"):
             open_bus(parse_url(f"file://{tmp_path}/none.log"))
 
 
-def test_a_bus_may_be_a_log_that_is_written(tmp_path: Path) -> None:
+def test_a_bus_may_be_a_log_that_is_written(tmp_path):
     path = tmp_path / "new.log"
     bus = LcmBus(parse_url(f"file://{path}?mode=w"))
     bus.publish("/a", b"one")
@@ -326,7 +311,7 @@ def test_a_bus_may_be_a_log_that_is_written(tmp_path: Path) -> None:
         ]
 
 
-def test_each_bus_gets_the_best_observer(bus_url: str) -> None:
+def test_each_bus_gets_the_best_observer(bus_url):
     tap, listener = open_observer(parse_url(bus_url)), open_observer(parse_url("memq://"))
     assert isinstance(tap, Tap)
     assert isinstance(listener, LcmObserver)

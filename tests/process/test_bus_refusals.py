@@ -4,10 +4,8 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,18 +16,17 @@ from lcmtools.bus.network_watch import join
 from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.udp_bus import UdpBus
-from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.errors import BusError
 from lcmtools.observe.reading import monitor
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.datagram import fragments, short_message
 
-WaitUntil = Callable[..., None]
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 _GROUP = _URL.host, _URL.port
 _MEMORY = "/proc/sys/net/core/optmem_max"
-_NAMES: dict[str, Callable[[int], str]] = {
+_NAMES = {
     "short": lambda number: f"/husky/topic_{number:02}",
     "long": lambda number: f"/robot{number:04}/sensors/camera/front/color/image",
 }
@@ -41,10 +38,10 @@ pytestmark = [
 
 
 @pytest.fixture
-def filter_memory() -> Callable[[int], None]:
+def filter_memory():
     """``filter_memory(4096)``: limits what filters of a socket may take, in this network only."""
 
-    def limit(size: int) -> None:
+    def limit(size):
         try:
             Path(_MEMORY).write_text(str(size))
         except OSError:
@@ -54,7 +51,7 @@ def filter_memory() -> Callable[[int], None]:
 
 
 @pytest.fixture
-def send() -> Iterator[Callable[[bytes], object]]:
+def send():
     """Sends a datagram to the bus."""
     with sending_socket(_URL) as sender:
         yield lambda datagram: sender.sendto(datagram, _GROUP)
@@ -64,15 +61,10 @@ def send() -> Iterator[Callable[[bytes], object]]:
 @pytest.mark.parametrize("names", _NAMES)
 @pytest.mark.parametrize("count", [8, 10, 45, 120, 1000])
 def test_every_subscription_is_heard_whatever_filters_the_kernel_has_memory_for(
-    filter_memory: Callable[[int], None],
-    send: Callable[[bytes], object],
-    wait_until: WaitUntil,
-    count: int,
-    names: str,
-    memory: int,
-) -> None:
+    filter_memory, send, wait_until, count, names, memory
+):
     filter_memory(memory)
-    heard: list[str] = []
+    heard = []
     channels = [_NAMES[names](number) for number in range(count)]
     with closing(UdpBus(_URL)) as bus:
         for channel in channels:
@@ -87,15 +79,11 @@ def test_every_subscription_is_heard_whatever_filters_the_kernel_has_memory_for(
 
 @pytest.mark.parametrize("memory", [64, 512, 1_024, 4_096, 20_480])
 def test_images_come_once_where_filters_for_several_sockets_are_refused(
-    filter_memory: Callable[[int], None],
-    send: Callable[[bytes], object],
-    wait_until: WaitUntil,
-    monkeypatch: pytest.MonkeyPatch,
-    memory: int,
-) -> None:
+    filter_memory, send, wait_until, monkeypatch, memory
+):
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
     filter_memory(memory)
-    heard: list[int] = []
+    heard = []
     with closing(UdpBus(_URL)) as bus, Tap(_URL, whole=True, spread=True) as tap:
         for number in range(8):
             name = _NAMES["long"](number)
@@ -105,15 +93,13 @@ def test_images_come_once_where_filters_for_several_sockets_are_refused(
             time.sleep(0.002)  # one socket's stock buffer holds three
         send(short_message(2, _NAMES["long"](0), b"end"))
         wait_until(lambda: len(heard) >= 2)
-        seen: list[int] = []
+        seen = []
         wait_until(lambda: seen.extend(len(p.payload) for p in tap.receive(0.1)) or 3 in seen)
     assert heard == [300_000, 3]
     assert [size for size in seen if size in heard] == heard
 
 
-def test_an_observer_whose_filter_is_refused_knows_it_and_counts_what_it_loses(
-    send: Callable[[bytes], object], filter_memory: Callable[[int], None]
-) -> None:
+def test_an_observer_whose_filter_is_refused_knows_it_and_counts_what_it_loses(send, filter_memory):
     filter_memory(200)
     with Tap(_URL) as tap:
         assert tap.drops() == 0
@@ -130,9 +116,7 @@ def test_an_observer_whose_filter_is_refused_knows_it_and_counts_what_it_loses(
 
 
 @pytest.mark.parametrize(("memory", "is_refused"), [(64, True), (1_024, True), (131_072, False)])
-def test_a_node_whose_filter_is_refused_is_marked(
-    filter_memory: Callable[[int], None], memory: int, *, is_refused: bool
-) -> None:
+def test_a_node_whose_filter_is_refused_is_marked(filter_memory, memory, *, is_refused):
     filter_memory(memory)
     with closing(UdpBus(_URL)) as bus:
         for number in range(45):
@@ -154,8 +138,8 @@ _OPTIONS = {
 }
 
 
-def _refuse(monkeypatch: pytest.MonkeyPatch, *options: tuple[int, int]) -> None:
-    def setsockopt(self: socket.socket, level: int, option: int, *value: object) -> None:
+def _refuse(monkeypatch, *options):
+    def setsockopt(self, level, option, *value):
         if (level, option) in options:
             raise PermissionError(1, os.strerror(1))
         accept(self, level, option, *value)
@@ -164,8 +148,8 @@ def _refuse(monkeypatch: pytest.MonkeyPatch, *options: tuple[int, int]) -> None:
     monkeypatch.setattr(socket.socket, "setsockopt", setsockopt, raising=False)
 
 
-def _refuse_all(monkeypatch: pytest.MonkeyPatch, module: object, name: str) -> None:
-    def refused(*_: object) -> None:
+def _refuse_all(monkeypatch, module, name):
+    def refused(*_):
         raise OSError(38, os.strerror(38))
 
     monkeypatch.setattr(module, name, refused)
@@ -179,9 +163,7 @@ _CALLS = {
 
 
 @pytest.mark.parametrize("what", [*_OPTIONS, *_CALLS])
-def test_what_is_refused_costs_no_message(
-    monkeypatch: pytest.MonkeyPatch, wait_until: WaitUntil, what: str
-) -> None:
+def test_what_is_refused_costs_no_message(monkeypatch, wait_until, what):
     if what in _OPTIONS:
         _refuse(monkeypatch, _OPTIONS[what])
     else:
@@ -208,16 +190,14 @@ def test_what_is_refused_costs_no_message(
     assert heard == [*range(300), len(image)]
 
 
-def _sizes(tap: Tap) -> list[int]:
+def _sizes(tap):
     return [len(one.payload) for one in tap.receive(0.0) if one.channel == "A"]
 
 
-def test_more_sockets_that_are_refused_leave_one(
-    monkeypatch: pytest.MonkeyPatch, wait_until: WaitUntil
-) -> None:
+def test_more_sockets_that_are_refused_leave_one(monkeypatch, wait_until):
     made = 0
 
-    def few(*arguments: object) -> socket.socket:
+    def few(*arguments):
         nonlocal made
         made += 1
         if made > 2:
@@ -226,10 +206,10 @@ def test_more_sockets_that_are_refused_leave_one(
 
     from lcmtools.bus import group_receiver
 
-    receiving: Callable[..., socket.socket] = multicast.receiving_socket
+    receiving = multicast.receiving_socket
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
     monkeypatch.setattr(group_receiver, "receiving_socket", few)
-    heard: list[bytes] = []
+    heard = []
     with closing(UdpBus(_URL)) as bus:
         bus.subscribe("A", lambda payload, _: heard.append(payload), is_large=True)
         bus.publish("A", bytes(100_000))
@@ -245,10 +225,8 @@ def test_more_sockets_that_are_refused_leave_one(
         (lambda url: BusMonitor(url, "echo", {}), monitor, "NodeRecords"),
     ],
 )
-def test_opening_that_fails_or_is_interrupted_leaves_no_socket(
-    monkeypatch: pytest.MonkeyPatch, opening: Callable[[BusUrl], Any], module: Any, part: str
-) -> None:
-    def interrupt(*_: object, **__: object) -> None:
+def test_opening_that_fails_or_is_interrupted_leaves_no_socket(monkeypatch, opening, module, part):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
     opening(_URL).close()  # the watch of the network stays
@@ -259,7 +237,7 @@ def test_opening_that_fails_or_is_interrupted_leaves_no_socket(
     assert [*Path("/proc/self/fd").iterdir()] == before
 
 
-def test_without_a_time_to_live_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_time_to_live_nothing_is_sent(monkeypatch):
     """It would be sent to other computers."""
     _refuse(monkeypatch, (socket.IPPROTO_IP, socket.IP_MULTICAST_TTL))
     with pytest.raises(BusError, match="does not limit datagrams to 0 hops"):
@@ -267,22 +245,20 @@ def test_without_a_time_to_live_nothing_is_sent(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize("memberships", [0, 1, 2])
-def test_few_memberships_are_enough_or_are_named(memberships: int, wait_until: WaitUntil) -> None:
+def test_few_memberships_are_enough_or_are_named(memberships, wait_until):
     Path("/proc/sys/net/ipv4/igmp_max_memberships").write_text(str(memberships))
     if memberships == 0:
         with pytest.raises(BusError, match=r"permits no membership of .*igmp_max_memberships"):
             UdpBus(_URL)
         return
-    heard: list[bytes] = []
+    heard = []
     with closing(UdpBus(_URL)) as bus:
         bus.subscribe("A", lambda payload, _: heard.append(payload))
         bus.publish("A", b"x")
         wait_until(lambda: heard)
 
 
-def test_a_socket_whose_memberships_are_used_up_follows_the_route(
-    ip: Callable[..., None],
-) -> None:
+def test_a_socket_whose_memberships_are_used_up_follows_the_route(ip):
     Path("/proc/sys/net/ipv4/igmp_max_memberships").write_text("1")
     ip("link", "add", "other", "type", "veth", "peer", "name", "end")
     ip("addr", "add", "10.9.9.1/24", "dev", "other")
@@ -299,8 +275,8 @@ def test_a_socket_whose_memberships_are_used_up_follows_the_route(
     assert len(of_group) == 1
 
 
-def test_threads_that_are_refused_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_self: object) -> None:
+def test_threads_that_are_refused_are_named(monkeypatch):
+    def refuse(_self):
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr(threading.Thread, "start", refuse)
@@ -308,10 +284,10 @@ def test_threads_that_are_refused_are_named(monkeypatch: pytest.MonkeyPatch) -> 
         UdpBus(_URL)
 
 
-def test_a_default_timeout_of_the_program_changes_nothing(wait_until: WaitUntil) -> None:
+def test_a_default_timeout_of_the_program_changes_nothing(wait_until):
     socket.setdefaulttimeout(0.001)
     try:
-        heard: list[bytes] = []
+        heard = []
         with closing(UdpBus(_URL)) as bus, Tap(_URL) as tap:
             assert {one.gettimeout() for one in (*bus._sockets.all, *tap._sockets.all)} == {None}
             bus.subscribe("A", lambda payload, _: heard.append(payload))

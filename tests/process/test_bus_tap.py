@@ -5,8 +5,6 @@ import random
 import signal
 import socket
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
 
 import lcm
 import pytest
@@ -25,27 +23,26 @@ from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError, InvalidName
 from lcmtools.wire.datagram import fragments, short_message
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Sender
 
-WaitUntil = Callable[..., None]
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 _GROUP = (_URL.host, _URL.port)
 
 
 @pytest.fixture
-def tap(bus_url: str) -> Iterator[Tap]:
+def tap(bus_url):
     with Tap(parse_url(bus_url), whole=True) as tap:
         yield tap
 
 
-def _senders_of_port(port: int) -> PossibleSenders:
+def _senders_of_port(port):
     rows = [row for row in udp_sockets() if row.port == port]
     return senders_from(port, rows, owners(row.inode for row in rows))
 
 
-def _receive(tap: Tap, count: int, timeout: float = 40.0) -> list[Packet]:
+def _receive(tap, count, timeout=40.0):
     """The next packets that are not LCM's self tests."""
-    packets: list[Packet] = []
+    packets = []
     deadline = time.monotonic() + timeout
     while len(packets) < count:
         if time.monotonic() > deadline:
@@ -54,7 +51,7 @@ def _receive(tap: Tap, count: int, timeout: float = 40.0) -> list[Packet]:
     return packets
 
 
-def test_a_plain_lcm_program_is_seen_with_sender_number_and_time(tap: Tap, bus_url: str) -> None:
+def test_a_plain_lcm_program_is_seen_with_sender_number_and_time(tap, bus_url):
     plain = lcm.LCM(bus_url)
     before = time.time_ns()
     plain.publish("A.b*", b"one")
@@ -70,7 +67,7 @@ def test_a_plain_lcm_program_is_seen_with_sender_number_and_time(tap: Tap, bus_u
     assert before <= first.time <= second.time <= after + 1_000_000
 
 
-def test_the_time_is_the_kernels_and_not_that_of_reading(tap: Tap, bus_url: str) -> None:
+def test_the_time_is_the_kernels_and_not_that_of_reading(tap, bus_url):
     lcm.LCM(bus_url).publish("A", b"")
     sent = time.time_ns()
     time.sleep(0.05)  # for nothing but to be late
@@ -78,7 +75,7 @@ def test_the_time_is_the_kernels_and_not_that_of_reading(tap: Tap, bus_url: str)
     assert packet.time <= sent
 
 
-def test_two_connections_of_one_process_are_two_senders(tap: Tap, bus_url: str) -> None:
+def test_two_connections_of_one_process_are_two_senders(tap, bus_url):
     one, other = lcm.LCM(bus_url), lcm.LCM(bus_url)
     one.publish("A", b"")
     other.publish("A", b"")
@@ -91,9 +88,7 @@ def test_two_connections_of_one_process_are_two_senders(tap: Tap, bus_url: str) 
         assert process.pid == os.getpid()
 
 
-def test_the_port_of_another_program_leads_to_it(
-    tap: Tap, bus_url: str, start: Callable[..., Any], lcm_program: Callable[[str], str]
-) -> None:
+def test_the_port_of_another_program_leads_to_it(tap, bus_url, start, lcm_program):
     source = start(lcm_program("lcm-source"), "-m", "SRC", "-p", "10000", LCM_DEFAULT_URL=bus_url)
     packet = _receive(tap, 1)[0]
     assert packet.channel == "SRC"
@@ -104,7 +99,7 @@ def test_the_port_of_another_program_leads_to_it(
     assert "lcm-source -m SRC" in process.command
 
 
-def test_a_bus_sends_everything_from_the_port_that_it_announces(tap: Tap, bus_url: str) -> None:
+def test_a_bus_sends_everything_from_the_port_that_it_announces(tap, bus_url):
     bus = UdpBus(parse_url(bus_url))
     bus.publish("SMALL", b"x")
     bus.publish("LARGE", bytes(200_000))
@@ -117,7 +112,7 @@ def test_a_bus_sends_everything_from_the_port_that_it_announces(tap: Tap, bus_ur
 
 
 @pytest.mark.parametrize("size", [65_495, 65_496, 65_500, 131_000, 190_000])
-def test_fragments_of_liblcm_are_put_together(tap: Tap, bus_url: str, size: int) -> None:
+def test_fragments_of_liblcm_are_put_together(tap, bus_url, size):
     payload = random.Random(size).randbytes(size)  # noqa: S311
     lcm.LCM(bus_url).publish("BIG", payload)
     (packet,) = _receive(tap, 1)
@@ -125,10 +120,8 @@ def test_fragments_of_liblcm_are_put_together(tap: Tap, bus_url: str, size: int)
 
 
 @pytest.mark.parametrize("size", [0, 65_495, 65_496, 200_000])
-def test_what_a_tap_sends_is_received_by_plain_lcm(
-    bus_url: str, tap: Tap, size: int, wait_until: WaitUntil
-) -> None:
-    heard: list[bytes] = []
+def test_what_a_tap_sends_is_received_by_plain_lcm(bus_url, tap, size, wait_until):
+    heard = []
     plain = lcm.LCM(f"{bus_url}&recv_buf_size=4000000")
     plain.subscribe("BIG", lambda _channel, payload: heard.append(payload))
     payload = random.Random(size).randbytes(size)  # noqa: S311
@@ -144,7 +137,7 @@ def test_what_a_tap_sends_is_received_by_plain_lcm(
 
 @pytest.mark.skipif(not IS_LINUX, reason="filters are Linux's")
 @pytest.mark.parametrize("size", [8, 100_000])
-def test_a_tap_that_need_not_hear_itself_reads_nothing_of_that(bus_url: str, size: int) -> None:
+def test_a_tap_that_need_not_hear_itself_reads_nothing_of_that(bus_url, size):
     url = parse_url(bus_url)
     with Tap(url, whole=True, spread=True, hears_itself=False) as tap, Tap(url) as other:
         tap.send("/own", bytes(size))
@@ -153,15 +146,13 @@ def test_a_tap_that_need_not_hear_itself_reads_nothing_of_that(bus_url: str, siz
     assert [packet.channel for packet in packets] == ["/other"]
 
 
-def test_a_tap_sends_on_channels_that_lcm_can_carry_only(tap: Tap) -> None:
+def test_a_tap_sends_on_channels_that_lcm_can_carry_only(tap):
     for channel in ("", "a" * 64, "a\0"):
         with pytest.raises(InvalidName):
             tap.send(channel, b"")
 
 
-def test_nothing_to_receive_is_an_empty_list_in_time(
-    tap: Tap, stopwatch: Callable[[], Any]
-) -> None:
+def test_nothing_to_receive_is_an_empty_list_in_time(tap, stopwatch):
     while tap.receive(0.0):
         pass
     before, watch = time.monotonic(), stopwatch()
@@ -171,7 +162,7 @@ def test_nothing_to_receive_is_an_empty_list_in_time(
     assert tap.receive(-1.0) == []
 
 
-def _malformed() -> list[bytes]:
+def _malformed():
     header = b"LC03\0\0\0\1"
     hostile = [b"", b"L", b"LC", b"LC02", b"LC02\0\0\0", b"LC02\0\0\0\0", b"LC02\0\0\0\0abc"]
     hostile += [b"LC02\0\0\0\0" + b"a" * 70 + b"\0x", b"LC03", b"LC03" + bytes(15)]
@@ -183,13 +174,13 @@ def _malformed() -> list[bytes]:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_no_datagram_harms_the_tap_or_hides_the_others() -> None:
+def test_no_datagram_harms_the_tap_or_hides_the_others():
     random_bytes = random.Random(1)  # noqa: S311
     with (
         Tap(_URL, whole=True) as tap,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain,
     ):
-        received: list[Packet] = []
+        received = []
         good = 0
         for datagram in _malformed() + [random_bytes.randbytes(n) for n in range(200)]:
             plain.sendto(datagram, _GROUP)
@@ -210,7 +201,7 @@ def test_no_datagram_harms_the_tap_or_hides_the_others() -> None:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_malformed_datagrams_from_ever_new_senders_are_bounded() -> None:
+def test_malformed_datagrams_from_ever_new_senders_are_bounded():
     with Tap(_URL) as tap:
         for _ in range(1500):
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain:
@@ -220,11 +211,11 @@ def test_malformed_datagrams_from_ever_new_senders_are_bounded() -> None:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_node_survives_malformed_datagrams(wait_until: WaitUntil) -> None:
+def test_a_node_survives_malformed_datagrams(wait_until):
     """A header without a body kills liblcm: the filter drops such datagrams."""
     datagrams = _malformed()
     bus = UdpBus(_URL)
-    heard: list[bytes] = []
+    heard = []
     bus.subscribe("GOOD", lambda payload, _: heard.append(payload))
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain:
         for number, datagram in enumerate(datagrams):
@@ -235,7 +226,7 @@ def test_a_node_survives_malformed_datagrams(wait_until: WaitUntil) -> None:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_network_that_goes_away_is_an_error_when_sending(ip: Callable[..., None]) -> None:
+def test_a_network_that_goes_away_is_an_error_when_sending(ip):
     with Tap(_URL) as tap:
         tap.send("A", b"")
         ip("link", "set", "lo", "down")  # without a route, messages go over it
@@ -254,15 +245,13 @@ while True:
 """
 
 
-def test_a_program_that_may_publish_is_known_before_it_does(
-    bus_url: str, start_python: Callable[..., Any]
-) -> None:
+def test_a_program_that_may_publish_is_known_before_it_does(bus_url, start_python):
     url = parse_url(bus_url)
     listener = start_python(_LISTENER, bus_url)
     listener.wait_for("ready")
     pid = listener.pid
 
-    def pids(heard: set[int], known: set[int]) -> set[int]:
+    def pids(heard, known):
         ports = silent_senders(url.host, url.port, heard, known)
         return {process.pid for port in ports if (process := _senders_of_port(port).only)}
 
@@ -278,9 +267,7 @@ def test_a_program_that_may_publish_is_known_before_it_does(
         assert pid not in pids(set(), set())
 
 
-def test_a_program_that_listens_on_another_bus_is_not_waited_for(
-    bus_url: str, start_python: Callable[..., Any], free_port: Callable[[], int]
-) -> None:
+def test_a_program_that_listens_on_another_bus_is_not_waited_for(bus_url, start_python, free_port):
     """Many students share one computer, each on a domain of his own."""
     url = parse_url(bus_url)
     listener = start_python(_LISTENER, bus_url)
@@ -291,7 +278,7 @@ def test_a_program_that_listens_on_another_bus_is_not_waited_for(
     assert listener.pid not in {_owner(port) for port in elsewhere}
 
 
-def _owner(port: int) -> int | None:
+def _owner(port):
     process = _senders_of_port(port).only
     return process.pid if process else None
 
@@ -311,9 +298,7 @@ for number in range(1_000_000):
 """
 
 
-def test_on_the_port_that_all_listen_to_only_who_can_send_from_it_is_meant(
-    bus_url: str, start_python: Callable[..., Any]
-) -> None:
+def test_on_the_port_that_all_listen_to_only_who_can_send_from_it_is_meant(bus_url, start_python):
     port = parse_url(bus_url).port
     start_python(_LISTENER, bus_url).wait_for("ready")
     assert _senders_of_port(port) == PossibleSenders(())
@@ -325,9 +310,7 @@ def test_on_the_port_that_all_listen_to_only_who_can_send_from_it_is_meant(
     assert process.pid == java.pid
 
 
-def test_of_several_that_send_from_one_port_none_is_guessed(
-    bus_url: str, start_python: Callable[..., Any]
-) -> None:
+def test_of_several_that_send_from_one_port_none_is_guessed(bus_url, start_python):
     port = parse_url(bus_url).port
     started = [start_python(_LIKE_JAVA, str(port)) for _ in range(2)]
     for java in started:
@@ -337,15 +320,13 @@ def test_of_several_that_send_from_one_port_none_is_guessed(
     assert [p.pid for p in senders.candidates] == sorted(java.pid for java in started)
 
 
-def test_numbers_from_a_port_that_programs_share_tell_of_no_loss(
-    bus_url: str, start_python: Callable[..., Any], wait_until: WaitUntil
-) -> None:
+def test_numbers_from_a_port_that_programs_share_tell_of_no_loss(bus_url, start_python, wait_until):
     url = parse_url(bus_url)
     with Tap(url) as tap:
         start_python(_LIKE_JAVA, str(url.port)).wait_for("ready")
         start_python(_LISTENER, bus_url).wait_for("ready")  # its self test counts
 
-        def ports() -> set[int]:
+        def ports():
             tap.receive(0.1)
             return {sender.port for sender in tap.sequences}
 

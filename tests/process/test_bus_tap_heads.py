@@ -2,9 +2,7 @@
 
 import socket
 import time
-from collections.abc import Iterator
 from contextlib import ExitStack
-from typing import Any
 
 import lcm
 import pytest
@@ -22,30 +20,28 @@ from lcmtools.graph.protocol import (
     encode_announcement,
 )
 from lcmtools.wire.datagram import fragments, short_message
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Sender
 
 _URL = parse_url("udpm://239.255.76.67:7667?ttl=0")
 _GROUP = (_URL.host, _URL.port)
 
 
 @pytest.fixture(params=[True, False], ids=["filter", "no filter"])
-def tap(
-    bus_url: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[Tap]:
+def tap(bus_url, request, monkeypatch):
     if not request.param:
         monkeypatch.setattr("lcmtools.bus.group_receiver.attach", _attach_none)
     with Tap(parse_url(bus_url)) as tap:
         yield tap
 
 
-def _attach_none(*_: object) -> bool:
+def _attach_none(*_):
     """Attach no filter, as on a system that has none."""
     return False
 
 
-def _until(tap: Tap, channel: str) -> list[Packet]:
+def _until(tap, channel):
     """The packets up to the first on a channel, without LCM's self tests."""
-    packets: list[Packet] = []
+    packets = []
     deadline = time.monotonic() + 40
     while not any(packet.channel == channel for packet in packets):
         assert time.monotonic() < deadline, packets
@@ -54,7 +50,7 @@ def _until(tap: Tap, channel: str) -> list[Packet]:
 
 
 @pytest.mark.parametrize("size", [65_496, 131_000, 1_000_000])
-def test_of_a_large_message_the_head_and_the_size_come(tap: Tap, bus_url: str, size: int) -> None:
+def test_of_a_large_message_the_head_and_the_size_come(tap, bus_url, size):
     plain = lcm.LCM(bus_url)
     payload = bytes(range(200)) + bytes(size - 200)
     plain.publish("BIG", payload)
@@ -67,13 +63,13 @@ def test_of_a_large_message_the_head_and_the_size_come(tap: Tap, bus_url: str, s
 
 
 @pytest.mark.parametrize("size", [0, 1, 65_000])
-def test_a_message_of_one_datagram_comes_whole(tap: Tap, bus_url: str, size: int) -> None:
+def test_a_message_of_one_datagram_comes_whole(tap, bus_url, size):
     lcm.LCM(bus_url).publish("SMALL", bytes(size))
     (packet,) = _until(tap, "SMALL")
     assert (packet.payload, packet.whole_bytes, packet.size) == (bytes(size), None, size)
 
 
-def test_the_graph_counts_the_bytes_of_whole_messages(tap: Tap, bus_url: str) -> None:
+def test_the_graph_counts_the_bytes_of_whole_messages(tap, bus_url):
     plain, builder = lcm.LCM(bus_url), GraphBuilder()
     for _ in range(3):
         plain.publish("BIG", bytes(200_000))
@@ -84,7 +80,7 @@ def test_the_graph_counts_the_bytes_of_whole_messages(tap: Tap, bus_url: str) ->
     assert (traffic.messages, traffic.bytes) == (3, 600_000)
 
 
-def test_an_announcement_comes_whole_however_large_it_is(tap: Tap) -> None:
+def test_an_announcement_comes_whole_however_large_it_is(tap):
     endpoints = tuple(Endpoint(f"/a_long_topic_name/{n}", Role.PUBLISHER) for n in range(2000))
     node = Node("/large", "1", "here", 1, endpoints=endpoints)
     payload = encode_announcement(Announcement(node))
@@ -96,7 +92,7 @@ def test_an_announcement_comes_whole_however_large_it_is(tap: Tap) -> None:
     assert [(packet.payload, packet.whole_bytes) for packet in found] == [(payload, None)]
 
 
-def test_what_a_sender_lost_is_counted(tap: Tap, bus_url: str) -> None:
+def test_what_a_sender_lost_is_counted(tap, bus_url):
     url = parse_url(bus_url)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
@@ -111,14 +107,14 @@ def test_what_a_sender_lost_is_counted(tap: Tap, bus_url: str) -> None:
     assert (sequence.messages, sequence.lost) == (6, 3)
 
 
-def test_the_time_to_live_of_a_sender_is_known(bus_url: str, tap: Tap) -> None:
+def test_the_time_to_live_of_a_sender_is_known(bus_url, tap):
     lcm.LCM(bus_url).publish("A", b"")
     (packet,) = _until(tap, "A")
     assert packet.sender is not None
     assert tap.ttls[packet.sender] == 0
 
 
-def _hostile() -> list[bytes]:
+def _hostile():
     head = b"LC03\0\0\0\1"
     short = [b"", b"L", b"LC0", b"LC02", b"LC02\0\0\0", b"LC03", b"LC03" + bytes(15)]
     bad = [head + bytes(12), head + b"\0\0\0\5\0\0\0\0\0\2\0\1abc", b"\xff" * 60_000]
@@ -126,12 +122,12 @@ def _hostile() -> list[bytes]:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_both_ways_see_the_same_of_anything(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_both_ways_see_the_same_of_anything(monkeypatch):
     with ExitStack() as stack:
         taps = [stack.enter_context(Tap(_URL))]
         monkeypatch.setattr("lcmtools.bus.group_receiver.attach", _attach_none)
         taps.append(stack.enter_context(Tap(_URL)))
-        seen: list[list[Any]] = []
+        seen = []
         senders = []
         for datagram in _hostile():
             plain = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
@@ -148,7 +144,7 @@ def test_both_ways_see_the_same_of_anything(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_tap_that_is_too_slow_knows_what_it_lost() -> None:
+def test_a_tap_that_is_too_slow_knows_what_it_lost():
     with Tap(_URL, whole=True) as tap, Tap(_URL) as heads:
         assert tap.drops() == 0
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
@@ -164,13 +160,13 @@ def test_a_tap_that_is_too_slow_knows_what_it_lost() -> None:
         assert heads.drops() is None
 
 
-def _self_tests(packets: list[Packet]) -> int:
+def _self_tests(packets):
     return sum(packet.channel == "LCM_SELF_TEST" for packet in packets)
 
 
 @pytest.mark.usefixtures("private_network")
 @pytest.mark.parametrize("longest_nap", [0.0, 0.01, 0.04, 0.1])
-def test_a_stream_is_read_to_its_last_message(longest_nap: float) -> None:
+def test_a_stream_is_read_to_its_last_message(longest_nap):
     """Turns that follow each other at once begin with a nap, in which nothing may be lost."""
     with Tap(_URL) as tap, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         count, tap.longest_nap = 0, longest_nap
@@ -184,7 +180,7 @@ def test_a_stream_is_read_to_its_last_message(longest_nap: float) -> None:
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_request_ends_a_long_nap() -> None:
+def test_a_request_ends_a_long_nap():
     with Tap(_URL) as tap, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         tap.longest_nap = 60.0
         for seqno in range(30):  # each message makes the next nap longer
@@ -197,14 +193,14 @@ def test_a_request_ends_a_long_nap() -> None:
         assert time.monotonic() - begun < 30.0
 
 
-def test_the_filter_is_short() -> None:
+def test_the_filter_is_short():
     assert len(heads_only()) <= 10
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_tap_of_large_messages_goes_on_with_them() -> None:
+def test_a_tap_of_large_messages_goes_on_with_them():
     with Tap(_URL, whole=True, large_only=True) as tap, sending_socket(_URL) as sender:
-        found: list[int] = []
+        found = []
         for number in range(3):
             sender.sendto(short_message(9, "SMALL", b""), _GROUP)
             for part in fragments(number, "BIG", bytes(200_000 + number)):

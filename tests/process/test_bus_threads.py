@@ -5,7 +5,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -14,23 +13,19 @@ from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 
-WaitUntil = Callable[..., None]
 
-
-def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(
-    bus: UdpBus, other: UdpBus
-) -> None:
+def test_other_threads_may_subscribe_and_unsubscribe_under_traffic(bus, other):
     stop = threading.Event()
     heard = itertools.count()
 
-    def talk() -> None:
+    def talk():
         while not stop.is_set():
             for channel in range(4):
                 bus.publish(f"c{channel}", b"x" * 100)
             stop.wait(0.0005)
 
-    def come_and_go(number: int) -> None:
-        def handler(_payload: bytes, _time: int) -> None:
+    def come_and_go(number):
+        def handler(_payload, _time):
             next(heard)
 
         for _ in range(150):
@@ -69,24 +64,24 @@ for _ in range(60):
 
 
 @pytest.mark.usefixtures("private_network")
-def test_buses_of_many_ports_come_and_go() -> None:
+def test_buses_of_many_ports_come_and_go():
     # a closed descriptor that liblcm's thread still reads from hung one of ten
     command = [sys.executable, "-c", _COME_AND_GO]
     subprocess.run(command, check=True, timeout=100)
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -> None:
+def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until):
     url = parse_url("udpm://239.255.76.67:7667?ttl=0")
     sender, receiver = UdpBus(url), UdpBus(url)
     stop = threading.Event()
-    slow: list[int] = []
+    slow = []
 
-    def flood() -> None:
+    def flood():
         while not stop.is_set():
             sender.publish("flood", b"x")
 
-    def handle(_payload: bytes, _time: int) -> None:
+    def handle(_payload, _time):
         slow.append(sum(range(5000)))  # slower than the sender, so that messages always wait
 
     receiver.subscribe("flood", handle)
@@ -107,18 +102,18 @@ def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until: WaitUntil) -
 
 
 @pytest.mark.parametrize("turn", range(15))
-def test_a_bus_closes_while_others_use_it(bus_url: str, turn: int) -> None:
+def test_a_bus_closes_while_others_use_it(bus_url, turn):
     """A caller that comes too late gets a BusError, at once, and nothing else happens."""
     bus = UdpBus(parse_url(bus_url))
 
-    def handle(_payload: bytes, _time: int) -> None:
+    def handle(_payload, _time):
         """Hear, and do nothing."""
 
-    def come_and_go() -> None:
+    def come_and_go():
         bus.subscribe("a", handle)
         bus.unsubscribe("a", handle)
 
-    def use(act: Callable[[], object]) -> None:
+    def use(act):
         with pytest.raises(BusError, match="the bus is closed"):
             _repeat(act)
 
@@ -137,7 +132,7 @@ def test_a_bus_closes_while_others_use_it(bus_url: str, turn: int) -> None:
     assert time.monotonic() - before < 8.0
 
 
-def _repeat(act: Callable[[], object]) -> None:
+def _repeat(act):
     """Until it raises."""
     while True:
         act()

@@ -3,7 +3,6 @@
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -12,24 +11,22 @@ import lcmtools
 from lcmtools.bus import receive_right, udp_bus
 from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.lcm_bus import LcmBus
-from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
 
-WaitUntil = Callable[..., None]
 _LONG = 20.0  # [s]
 
 
 @pytest.fixture
-def endless_patience(monkeypatch: pytest.MonkeyPatch) -> None:
+def endless_patience(monkeypatch):
     """The bus's own thread does not receive by itself for a thread that is away."""
     monkeypatch.setattr(receive_right, "_PATIENCE", 3600.0)
 
 
 @pytest.fixture
-def never() -> Iterator[WakeupEvent]:
+def never():
     """An event that is not set until the test ends."""
     event = WakeupEvent()
     yield event
@@ -39,11 +36,11 @@ def never() -> Iterator[WakeupEvent]:
 class Receivers:
     """The threads on which a channel's messages were handled."""
 
-    def __init__(self, bus: UdpBus, channel: str = "a") -> None:
-        self.threads: list[int] = []
+    def __init__(self, bus, channel="a"):
+        self.threads = []
         bus.subscribe(channel, lambda _payload, _time: self.threads.append(threading.get_ident()))
 
-    def wait(self, bus: UdpBus, event: WakeupEvent, messages: int = 1) -> None:
+    def wait(self, bus, event, messages=1):
         """Wait on the bus until messages have come."""
         bus.on_received = event.set  # the bus's own thread may have handled them
         deadline = time.monotonic() + _LONG
@@ -53,9 +50,7 @@ class Receivers:
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_messages_are_handled_on_the_thread_that_waits(
-    bus: UdpBus, other: UdpBus, never: WakeupEvent
-) -> None:
+def test_messages_are_handled_on_the_thread_that_waits(bus, other, never):
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
     for count in range(1, 4):
@@ -65,9 +60,7 @@ def test_messages_are_handled_on_the_thread_that_waits(
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_end(
-    never: WakeupEvent,
-) -> None:
+def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_end(never):
     """The queue of a subscription takes ten by default; its callback runs between two waits."""
     bus = LcmBus(parse_url("memq://"))
     receivers = Receivers(bus)
@@ -83,9 +76,7 @@ def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_en
     bus.close()
 
 
-def test_a_thread_that_stays_away_is_replaced(
-    bus: UdpBus, other: UdpBus, never: WakeupEvent, wait_until: WaitUntil
-) -> None:
+def test_a_thread_that_stays_away_is_replaced(bus, other, never, wait_until):
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
     for count in range(1, 4):  # it takes over once, and then receives each
@@ -98,9 +89,7 @@ def test_a_thread_that_stays_away_is_replaced(
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_a_thread_that_hands_over_is_replaced_at_once(
-    bus: UdpBus, other: UdpBus, never: WakeupEvent, wait_until: WaitUntil
-) -> None:
+def test_a_thread_that_hands_over_is_replaced_at_once(bus, other, never, wait_until):
     receivers = Receivers(bus)
     bus.wait(never, 0.0)
     bus.hand_over()
@@ -110,9 +99,7 @@ def test_a_thread_that_hands_over_is_replaced_at_once(
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
-    bus: UdpBus, other: UdpBus, never: WakeupEvent
-) -> None:
+def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(bus, other, never):
     with ThreadPoolExecutor(1) as threads:
         waiting = Waiting(bus, threads)
         Receivers(bus, "other")
@@ -123,12 +110,12 @@ def test_subscriptions_are_made_while_a_thread_waits_and_while_it_is_away(
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_requests_at_any_moment_are_served(bus: UdpBus, other: UdpBus, never: WakeupEvent) -> None:
+def test_requests_at_any_moment_are_served(bus, other, never):
     """Also at the very moment at which the waiting thread comes, or leaves."""
     receivers = Receivers(bus)
     done = threading.Event()
 
-    def come_and_go() -> None:
+    def come_and_go():
         for number in range(300):
             Receivers(bus, f"channel{number}")
         done.set()
@@ -145,28 +132,26 @@ def test_requests_at_any_moment_are_served(bus: UdpBus, other: UdpBus, never: Wa
 class Waiting:
     """A thread's waiting on a bus, until its end."""
 
-    def __init__(self, bus: UdpBus, threads: ThreadPoolExecutor) -> None:
+    def __init__(self, bus, threads):
         self._bus = bus
         self._wakeup = WakeupEvent()
         self._is_over = False
         self._thread = threads.submit(self._wait)
 
-    def end(self) -> None:
+    def end(self):
         """Let the thread go away for good."""
         self._is_over = True
         self._wakeup.set()
         self._thread.result(_LONG)
         self._wakeup.close()
 
-    def _wait(self) -> None:
+    def _wait(self):
         while not self._is_over:
             self._bus.wait(self._wakeup, _LONG)
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_where_two_threads_wait_neither_depends_on_the_other(
-    bus: UdpBus, other: UdpBus, wait_until: WaitUntil
-) -> None:
+def test_where_two_threads_wait_neither_depends_on_the_other(bus, other, wait_until):
     receivers = Receivers(bus)
     with ThreadPoolExecutor(2) as threads:
         first, second = Waiting(bus, threads), Waiting(bus, threads)
@@ -176,7 +161,7 @@ def test_where_two_threads_wait_neither_depends_on_the_other(
         second.end()
 
 
-def test_a_thread_that_waits_returns_when_the_bus_closes(bus: UdpBus) -> None:
+def test_a_thread_that_waits_returns_when_the_bus_closes(bus):
     with ThreadPoolExecutor(1) as threads:
         waiting = Waiting(bus, threads)
         bus.close()
@@ -184,21 +169,19 @@ def test_a_thread_that_waits_returns_when_the_bus_closes(bus: UdpBus) -> None:
 
 
 @pytest.mark.skipif(not IS_LINUX, reason="other systems read datagrams one by one")
-def test_a_bus_is_prepared_for_bursts_once_a_thread_waits(
-    bus: UdpBus, never: WakeupEvent, wait_until: WaitUntil
-) -> None:
+def test_a_bus_is_prepared_for_bursts_once_a_thread_waits(bus, never, wait_until):
     """Imports take tens of milliseconds while a callback keeps the interpreter busy."""
     assert not bus._sockets._batches
     wait_until(lambda: bus.wait(never, 0.05) or bus._sockets._batches)
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_a_callback_may_call_a_service_of_another_program(bus_url: str) -> None:
+def test_a_callback_may_call_a_service_of_another_program(bus_url):
     """Its own thread, which would receive the reply, waits for it."""
     lcmtools.init([], url=bus_url, handle_signals=False)
     node = lcmtools.Node("caller")
     client = node.create_client(Trigger, "/answer")
-    answers: list[bool] = []
+    answers = []
     node.create_timer(0.01, lambda: answers.append(client.call(Trigger.Request(), _LONG).success))
     answering = threading.Event()
     with ThreadPoolExecutor(1) as threads:
@@ -211,11 +194,11 @@ def test_a_callback_may_call_a_service_of_another_program(bus_url: str) -> None:
     lcmtools.shutdown()
 
 
-def _serve(bus_url: str, answering: threading.Event) -> None:
+def _serve(bus_url, answering):
     from lcmtools.arguments import NodeArguments
     from lcmtools.node.process import open_context
 
-    def answer(_request: object, response: Trigger.Response) -> Trigger.Response:
+    def answer(_request, response):
         response.success = True
         return response
 
@@ -228,7 +211,7 @@ def _serve(bus_url: str, answering: threading.Event) -> None:
 
 
 @pytest.mark.usefixtures("endless_patience")
-def test_a_signal_handler_may_shut_down_while_the_node_waits(bus_url: str) -> None:
+def test_a_signal_handler_may_shut_down_while_the_node_waits(bus_url):
     lcmtools.init([], url=bus_url, handle_signals=False)
     node = lcmtools.Node("node")
     node.create_subscription(String, "/a", lambda _: None)
@@ -242,11 +225,11 @@ def test_a_signal_handler_may_shut_down_while_the_node_waits(bus_url: str) -> No
 
 
 @pytest.fixture
-def stream(other: UdpBus) -> Iterator[None]:
+def stream(other):
     """Messages on "a", a millisecond or two after each other, until the test ends."""
     ended = threading.Event()
 
-    def send() -> None:
+    def send():
         while not ended.wait(0.001):
             other.publish("a", b"x")
 
@@ -257,7 +240,7 @@ def stream(other: UdpBus) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("stream")
-def test_a_stream_keeps_no_request_and_no_event_waiting(bus: UdpBus, never: WakeupEvent) -> None:
+def test_a_stream_keeps_no_request_and_no_event_waiting(bus, never):
     receivers, others = Receivers(bus), Receivers(bus, "b")
     receivers.wait(bus, never, 10)
     with ThreadPoolExecutor() as pool:
@@ -273,9 +256,7 @@ def test_a_stream_keeps_no_request_and_no_event_waiting(bus: UdpBus, never: Wake
 
 
 @pytest.fixture
-def in_a_stream(
-    bus: UdpBus, other: UdpBus, never: WakeupEvent, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def in_a_stream(bus, other, never, monkeypatch):
     """The bus counts what comes as a stream, whose next message it awaits without end."""
     receivers, sent = Receivers(bus), 0
     with ThreadPoolExecutor() as pool:
@@ -287,16 +268,14 @@ def in_a_stream(
 
 
 @pytest.mark.usefixtures("in_a_stream")
-def test_a_short_wait_is_short_in_a_stream_too(bus: UdpBus, never: WakeupEvent) -> None:
+def test_a_short_wait_is_short_in_a_stream_too(bus, never):
     bus.wait(never, 0.01)
     assert bus._is_streaming  # it could have waited for the next message, but for the time
 
 
 @pytest.mark.usefixtures("in_a_stream")
-def test_a_signal_ends_a_wait_in_a_stream_and_frees_the_right_to_receive(
-    bus: UdpBus, never: WakeupEvent
-) -> None:
-    def interrupt(*_: object) -> None:
+def test_a_signal_ends_a_wait_in_a_stream_and_frees_the_right_to_receive(bus, never):
+    def interrupt(*_):
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGALRM, interrupt)

@@ -3,9 +3,7 @@
 import os
 import socket
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from typing import Any
 
 import lcm
 import pytest
@@ -21,19 +19,16 @@ from lcmtools.messages.codec import encode
 from lcmtools.node.context import Context
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import String
-from lcmtools.wire.packet import Packet
-
-WaitUntil = Callable[..., None]
 
 
 @pytest.fixture
-def open_monitor(bus_url: str) -> Iterator[Callable[[str], BusMonitor]]:
+def open_monitor(bus_url):
     with ExitStack() as stack:
         yield lambda tool: stack.enter_context(BusMonitor(parse_url(bus_url), tool, os.environ))
 
 
 @pytest.fixture
-def context(bus_url: str) -> Iterator[Context]:
+def context(bus_url):
     """A program with nodes, on a connection of its own."""
     said, _ = split_arguments([])
     context = Context(UdpBus(parse_url(bus_url)), said, {})
@@ -42,9 +37,7 @@ def context(bus_url: str) -> Iterator[Context]:
 
 
 @pytest.mark.timing
-def test_the_graph_is_complete_at_once(
-    context: Context, open_monitor: Callable[[str], BusMonitor], stopwatch: Callable[[], Any]
-) -> None:
+def test_the_graph_is_complete_at_once(context, open_monitor, stopwatch):
     nodes = [Node(f"n{number}", context=context) for number in range(20)]
     nodes[3].create_publisher(String, "chatter")
     watch, time_taken = open_monitor("list"), stopwatch()
@@ -57,9 +50,7 @@ def test_the_graph_is_complete_at_once(
     assert [e.topic for e in found.having(Role.PUBLISHER)] == ["/chatter", "/rosout"]
 
 
-def test_all_that_a_node_sends_is_known_to_be_its_own(
-    context: Context, open_monitor: Callable[[str], BusMonitor], wait_until: WaitUntil
-) -> None:
+def test_all_that_a_node_sends_is_known_to_be_its_own(context, open_monitor, wait_until):
     watch = open_monitor("list")
     node = Node("a", context=context)
     small, large = node.create_publisher(String, "small"), node.create_publisher(String, "large")
@@ -68,7 +59,7 @@ def test_all_that_a_node_sends_is_known_to_be_its_own(
     message.data = "x" * 200_000
     large.publish(message)
 
-    def seen() -> bool:
+    def seen():
         watch.receive(0.05)
         return {"/small", "/large"} <= {t.channel for t in watch.graph().traffic}
 
@@ -79,9 +70,7 @@ def test_all_that_a_node_sends_is_known_to_be_its_own(
     assert graph.topic("/large").traffic[0].sender == graph.topic("/small").traffic[0].sender
 
 
-def test_a_program_that_is_no_node_is_waited_for(
-    open_monitor: Callable[[str], BusMonitor], start_python: Callable[..., Any], bus_url: str
-) -> None:
+def test_a_program_that_is_no_node_is_waited_for(open_monitor, start_python, bus_url):
     program = start_python(
         """
 import sys, time, lcm
@@ -102,8 +91,8 @@ while True:
 
 
 def test_every_channel_of_a_program_is_known_not_just_its_first(
-    bus_url: str, start_python: Callable[..., Any], open_monitor: Callable[[str], BusMonitor]
-) -> None:
+    bus_url, start_python, open_monitor
+):
     program = start_python(
         """
 import sys, time, lcm
@@ -123,7 +112,7 @@ while True:
 
 @pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
-def test_nobody_is_waited_for_on_an_empty_bus(stopwatch: Callable[[], Any]) -> None:
+def test_nobody_is_waited_for_on_an_empty_bus(stopwatch):
     with BusMonitor(parse_url("udpm://"), "list", os.environ) as watch:
         time_taken = stopwatch()
         assert watch.settle().nodes == ()
@@ -131,8 +120,8 @@ def test_nobody_is_waited_for_on_an_empty_bus(stopwatch: Callable[[], Any]) -> N
 
 
 def test_a_command_that_listens_is_announced_and_says_goodbye(
-    context: Context, open_monitor: Callable[[str], BusMonitor], bus_url: str, wait_until: WaitUntil
-) -> None:
+    context, open_monitor, bus_url, wait_until
+):
     node = Node("a", context=context)
     publisher = node.create_publisher(String, "chatter")
     assert publisher.subscriber_count() == 0
@@ -142,7 +131,7 @@ def test_a_command_that_listens_is_announced_and_says_goodbye(
         other = open_monitor("list")
         other.probe()
 
-        def answered() -> bool:
+        def answered():
             echo.receive(0.02)
             other.receive(0.02)
             return len(other.graph().nodes) == 2
@@ -155,9 +144,7 @@ def test_a_command_that_listens_is_announced_and_says_goodbye(
     wait_until(lambda: publisher.subscriber_count() == 0)
 
 
-def test_a_command_that_only_looks_is_silent(
-    open_monitor: Callable[[str], BusMonitor],
-) -> None:
+def test_a_command_that_only_looks_is_silent(open_monitor):
     other = open_monitor("list")
     with ExitStack() as stack:
         watch = stack.enter_context(open_monitor("info"))
@@ -165,9 +152,7 @@ def test_a_command_that_only_looks_is_silent(
     assert not any(p.channel == NODE_CHANNEL for p in other.receive(0.1))
 
 
-def test_packets_come_as_they_are_pulled_until_the_time_is_over(
-    open_monitor: Callable[[str], BusMonitor], bus_url: str, stopwatch: Callable[[], Any]
-) -> None:
+def test_packets_come_as_they_are_pulled_until_the_time_is_over(open_monitor, bus_url, stopwatch):
     watch = open_monitor("hz")
     plain = lcm.LCM(bus_url)
     for number in range(5):
@@ -181,15 +166,13 @@ def test_packets_come_as_they_are_pulled_until_the_time_is_over(
     assert next(p for p in watch.packets() if p.channel == "N").payload == b"6"
 
 
-def test_a_node_answers_a_targeted_probe_with_its_nonce(
-    context: Context, open_monitor: Callable[[str], BusMonitor], wait_until: WaitUntil
-) -> None:
+def test_a_node_answers_a_targeted_probe_with_its_nonce(context, open_monitor, wait_until):
     Node("a", context=context)
     Node("b", context=context)
     watch = open_monitor("ping")
-    answers: list[tuple[str, int]] = []
+    answers = []
 
-    def answered() -> bool:
+    def answered():
         for packet in watch.receive(0.05):
             if packet.channel == NODE_CHANNEL:
                 announcement = decode_announcement(packet.payload)
@@ -203,7 +186,7 @@ def test_a_node_answers_a_targeted_probe_with_its_nonce(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
+def test_malformed_datagrams_are_told_of(wait_until):
     url = parse_url("udpm://239.255.76.67:7667?ttl=0")
     with (
         BusMonitor(url, "wtf", os.environ) as watch,
@@ -216,9 +199,7 @@ def test_malformed_datagrams_are_told_of(wait_until: WaitUntil) -> None:
         assert_says(reason, "b'nons'", "not", "LC02 or LC03")
 
 
-def test_a_nodes_counters_are_announced(
-    context: Context, open_monitor: Callable[[str], BusMonitor]
-) -> None:
+def test_a_nodes_counters_are_announced(context, open_monitor):
     node = Node("a", context=context)
     publisher = node.create_publisher(String, "chatter")
     for _ in range(3):
@@ -229,9 +210,7 @@ def test_a_nodes_counters_are_announced(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_watch_goes_on_while_the_network_is_gone(
-    bus_url: str, ip: Callable[..., None], wait_until: Callable[..., None]
-) -> None:
+def test_a_watch_goes_on_while_the_network_is_gone(bus_url, ip, wait_until):
     with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         ip("link", "set", "lo", "down")
         watch.listen_to(["/chatter"])  # announced when there is a network again
@@ -240,7 +219,7 @@ def test_a_watch_goes_on_while_the_network_is_gone(
         ip("route", "add", "224.0.0.0/4", "dev", "lo")
         with BusMonitor(parse_url(bus_url), "other", os.environ) as other:
 
-            def is_seen() -> object:
+            def is_seen():
                 watch.receive(0.1)  # in which it announces itself each second
                 return other.settle(foreign=False).nodes
 
@@ -251,14 +230,12 @@ def test_a_watch_goes_on_while_the_network_is_gone(
         # and leaving without one is no error either
 
 
-def test_a_watch_that_was_held_up_still_hears_who_has_answered(
-    bus_url: str, context: Context, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_watch_that_was_held_up_still_hears_who_has_answered(bus_url, context, monkeypatch):
     Node("talker", context=context)
     with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         receive = watch.receive
 
-        def be_held_up(_timeout: float) -> list[Packet]:
+        def be_held_up(_timeout):
             time.sleep(0.4)  # longer than a look ever takes
             monkeypatch.setattr(watch, "receive", receive)
             return []

@@ -1,9 +1,7 @@
 """Nodes' bus and plain lcm receive the same from the same datagrams, to the byte."""
 
 import random
-import socket
 import threading
-from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import chain, zip_longest
 
@@ -17,8 +15,6 @@ from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.wire.datagram import datagrams, fragments, short_message
 
-WaitUntil = Callable[..., None]
-Script = list[tuple[int, bytes]]  # datagrams, each with the index of its sender
 _URL = "udpm://239.255.76.67:7667?ttl=0"
 _CHANNEL = "BIG"
 _EDGES = (65_487, 65_495, 65_499, 2 * 65_487 - 4, 120_000)
@@ -27,15 +23,15 @@ _SIZES = (0, 1, 8, *(edge + more for edge in _EDGES for more in (-1, 0, 1)), 1_0
 pytestmark = pytest.mark.usefixtures("private_network")
 
 
-def _payload(size: int) -> bytes:
+def _payload(size):
     return random.Random(size).randbytes(size)  # noqa: S311 - any bytes will do
 
 
 class Plain:
     """A plain LCM program that receives on a thread of its own."""
 
-    def __init__(self) -> None:
-        self.heard: list[tuple[str, bytes]] = []
+    def __init__(self):
+        self.heard = []
         self.instance = lcm.LCM(f"{_URL}&recv_buf_size=4000000")
         for channel in (_CHANNEL, "SMALL", "END"):
             one = self.instance.subscribe(channel, lambda *message: self.heard.append(message))
@@ -44,37 +40,37 @@ class Plain:
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
-    def close(self) -> None:
+    def close(self):
         """Stop receiving."""
         self._ended.set()
         self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self):
         while not self._ended.is_set():
             self.instance.handle_timeout(20)
 
 
 @pytest.fixture
-def plain() -> Iterator[Plain]:
+def plain():
     """A plain LCM program."""
     with closing(Plain()) as program:
         yield program
 
 
 @pytest.fixture
-def bus() -> Iterator[UdpBus]:
+def bus():
     """A bus of nodes."""
     with closing(UdpBus(parse_url(_URL))) as bus:
         yield bus
 
 
 @pytest.fixture
-def heard(bus: UdpBus) -> list[tuple[str, bytes]]:
+def heard(bus):
     """The messages that arrive at the bus."""
-    found: list[tuple[str, bytes]] = []
+    found = []
     for channel in (_CHANNEL, "SMALL", "END"):
 
-        def keep(payload: bytes, _time: int, channel: str = channel) -> None:
+        def keep(payload, _time, channel=channel):
             found.append((channel, payload))
 
         bus.subscribe(channel, keep)
@@ -82,13 +78,7 @@ def heard(bus: UdpBus) -> list[tuple[str, bytes]]:
 
 
 @pytest.mark.parametrize("size", _SIZES)
-def test_messages_of_every_size_pass_both_ways(
-    plain: Plain,
-    bus: UdpBus,
-    heard: list[tuple[str, bytes]],
-    wait_until: WaitUntil,
-    size: int,
-) -> None:
+def test_messages_of_every_size_pass_both_ways(plain, bus, heard, wait_until, size):
     bus.publish(_CHANNEL, _payload(size))
     wait_until(lambda: heard and plain.heard)
     plain.instance.publish(_CHANNEL, _payload(size))
@@ -96,9 +86,7 @@ def test_messages_of_every_size_pass_both_ways(
     assert heard == plain.heard == [(_CHANNEL, _payload(size))] * 2
 
 
-def test_a_message_of_eight_megabytes_is_paced(
-    plain: Plain, bus: UdpBus, heard: list[tuple[str, bytes]], wait_until: WaitUntil
-) -> None:
+def test_a_message_of_eight_megabytes_is_paced(plain, bus, heard, wait_until):
     """In one burst, as liblcm sends it, it fills the largest buffer of this computer."""
     bus.publish(_CHANNEL, _payload(8_000_000))
     wait_until(lambda: heard and plain.heard)
@@ -106,8 +94,8 @@ def test_a_message_of_eight_megabytes_is_paced(
 
 
 def test_eight_megabytes_of_a_plain_program_have_room_after_a_smaller_message(
-    plain: Plain, heard: list[tuple[str, bytes]], wait_until: WaitUntil
-) -> None:
+    plain, heard, wait_until
+):
     """They come in one burst, which the room for three of the smaller one takes."""
     for number, size in enumerate((4_000_000, 8_000_000), 1):
         plain.instance.publish(_CHANNEL, _payload(size))
@@ -115,21 +103,21 @@ def test_eight_megabytes_of_a_plain_program_have_room_after_a_smaller_message(
         assert heard[-1] == (_CHANNEL, _payload(size))
 
 
-def _large(seqno: int, size: int = 200_000) -> list[bytes]:
+def _large(seqno, size=200_000):
     return list(fragments(seqno, _CHANNEL, _payload(size)))
 
 
-def _short(seqno: int, payload: bytes = b"small") -> bytes:
+def _short(seqno, payload=b"small"):
     return short_message(seqno, "SMALL", payload)
 
 
-def _interleaved(*senders: list[bytes]) -> Script:
+def _interleaved(*senders):
     turns = zip_longest(*senders)
     pairs = chain.from_iterable(enumerate(turn) for turn in turns)
     return [(sender, datagram) for sender, datagram in pairs if datagram is not None]
 
 
-SCRIPTS: dict[str, Script] = {
+SCRIPTS = {
     "two senders at once": _interleaved(_large(1), _large(1, 300_000)),
     "large and small of one sender": _interleaved(
         [d for pair in zip(_large(1), map(_short, range(2, 6)), strict=True) for d in pair]
@@ -157,21 +145,15 @@ SCRIPTS: dict[str, Script] = {
 @pytest.mark.parametrize("name", SCRIPTS)
 @pytest.mark.parametrize("filtered", [True, False], ids=["filter", "no filter"])
 def test_any_datagrams_are_received_as_by_plain_lcm(
-    plain: Plain,
-    request: pytest.FixtureRequest,
-    monkeypatch: pytest.MonkeyPatch,
-    wait_until: WaitUntil,
-    name: str,
-    *,
-    filtered: bool,
-) -> None:
+    plain, request, monkeypatch, wait_until, name, *, filtered
+):
     if not filtered:
         for module in (multicast, group_receiver):
             monkeypatch.setattr(module, "attach", lambda *_: False)
         monkeypatch.setattr(group_receiver, "IS_LINUX", False)
     heard = request.getfixturevalue("heard")
     url = parse_url(_URL)
-    senders: list[socket.socket] = [sending_socket(url) for _ in range(2)]
+    senders = [sending_socket(url) for _ in range(2)]
     for sender, datagram in [*SCRIPTS[name], (1, short_message(99, "END", b""))]:
         senders[sender].sendto(datagram, (url.host, url.port))
     wait_until(lambda: ("END", b"") in heard and ("END", b"") in plain.heard)
@@ -180,9 +162,7 @@ def test_any_datagrams_are_received_as_by_plain_lcm(
         one.close()
 
 
-def test_fragments_that_come_twice_make_one_message(
-    heard: list[tuple[str, bytes]], wait_until: WaitUntil
-) -> None:
+def test_fragments_that_come_twice_make_one_message(heard, wait_until):
     """Liblcm counts each twice, and delivers a message before its last parts have come."""
     url = parse_url(_URL)
     with sending_socket(url) as sender:
@@ -193,12 +173,10 @@ def test_fragments_that_come_twice_make_one_message(
 
 
 @pytest.mark.skipif(not IS_LINUX, reason="sockets are divided by filters")
-def test_a_large_message_comes_through_while_the_sockets_are_divided(
-    monkeypatch: pytest.MonkeyPatch, wait_until: WaitUntil
-) -> None:
+def test_a_large_message_comes_through_while_the_sockets_are_divided(monkeypatch, wait_until):
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 4_000_000)
     monkeypatch.setattr(group_receiver, "_NODES_LARGEST", 1000)
-    found: list[bytes] = []
+    found = []
     with closing(UdpBus(parse_url(_URL))) as bus, closing(UdpBus(parse_url(_URL))) as other:
         bus.subscribe(_CHANNEL, lambda payload, _: found.append(payload))
         for number in range(20):
@@ -209,15 +187,13 @@ def test_a_large_message_comes_through_while_the_sockets_are_divided(
     assert found == [bytes([number]) * 600_000 for number in range(20)]
 
 
-def test_what_is_lost_of_large_messages_is_counted(
-    bus: UdpBus, heard: list[tuple[str, bytes]], wait_until: WaitUntil
-) -> None:
+def test_what_is_lost_of_large_messages_is_counted(bus, heard, wait_until):
     url = parse_url(_URL)
     with sending_socket(url) as sender:
         for datagram in [*_large(1)[:-1], *_large(2)[1:]]:  # of one the first part came
             sender.sendto(datagram, (url.host, url.port))
 
-        def is_counted() -> bool:
+        def is_counted():
             for datagram in _large(3):
                 sender.sendto(datagram, (url.host, url.port))
             return bus.lost(_CHANNEL) > 0
@@ -228,19 +204,17 @@ def test_what_is_lost_of_large_messages_is_counted(
 
 
 @pytest.mark.skipif(not IS_LINUX, reason="the kernel's filters are Linux's")
-def test_images_for_others_are_dropped_in_the_kernel_until_one_is_wanted(
-    bus: UdpBus, heard: list[tuple[str, bytes]], wait_until: WaitUntil
-) -> None:
+def test_images_for_others_are_dropped_in_the_kernel_until_one_is_wanted(bus, heard, wait_until):
     image = _payload(3_000_000)
     with closing(UdpBus(parse_url(_URL))) as camera:
 
-        def is_denied() -> bool:
+        def is_denied():
             camera.publish("IMAGE", image)
             return bus._sockets.unwanted.denied == [(camera.ports[0], len(image))]
 
         wait_until(is_denied)
 
-        def has_come() -> bool:
+        def has_come():
             camera.publish(_CHANNEL, image)  # the first one is lost
             return (_CHANNEL, image) in heard
 

@@ -5,28 +5,23 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line, assert_says
 
-from lcmtools.bus.url import BusUrl, parse_url
+from lcmtools.bus.url import parse_url
 from lcmtools.bus.zenoh import sender
 from lcmtools.bus.zenoh.bus import ZenohBus
-from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES, Outgoing
+from lcmtools.bus.zenoh.keep_last_sender import MOST_WAITING_BYTES
 from lcmtools.bus.zenoh.observer import ZenohObserver
 from lcmtools.bus.zenoh.sender import ZenohSender
 from lcmtools.bus.zenoh.session import ZenohSession
 from lcmtools.graph.protocol import NODE_CHANNEL, PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.wire.packet import Packet
 from lcmtools.wire.stamp import Origin
 
-WaitUntil = Callable[..., None]
 # The handler runs while the session, which hears itself, holds its lock.
 _PUBLISHES_IN_A_HANDLER = """
 import os, signal, sys
@@ -52,14 +47,14 @@ observer.close()
 
 
 @pytest.fixture
-def bus_url(free_port: Callable[[], int], monkeypatch: pytest.MonkeyPatch) -> str:
+def bus_url(free_port, monkeypatch):
     """A bus of Zenoh that belongs to this test alone and stays on this computer."""
     monkeypatch.setenv("LCM_DEFAULT_URL", f"zenoh://224.0.0.224:{free_port()}")
     return os.environ["LCM_DEFAULT_URL"]
 
 
 @contextmanager
-def _listening(url: BusUrl) -> Iterator[ZenohObserver]:
+def _listening(url):
     """A listener that all others know of: they have answered it."""
     with ZenohObserver(url) as listener:
         listener.send(PROBE_CHANNEL, encode_probe(Probe()))
@@ -68,14 +63,14 @@ def _listening(url: BusUrl) -> Iterator[ZenohObserver]:
         yield listener
 
 
-def _receive(listener: ZenohObserver, count: int) -> list[Packet]:
-    packets: list[Packet] = []
+def _receive(listener, count):
+    packets = []
     while len(packets) < count:
         packets += listener.receive(20.0)
     return packets
 
 
-def test_zenoh_carries_channels_of_any_name(bus_url: str) -> None:
+def test_zenoh_carries_channels_of_any_name(bus_url):
     url, heard = parse_url(bus_url), []
     names = ["/a/b", "EXAMPLE", "odom#nav_msgs.Odometry", "a *?$ b", "@x", "/", "ä"]
     with closing(ZenohBus(url)) as bus, _listening(url) as listener:
@@ -87,13 +82,11 @@ def test_zenoh_carries_channels_of_any_name(bus_url: str) -> None:
     assert heard == [name.encode() for name in names]
 
 
-def test_a_large_message_overtakes_no_small_ones_of_its_topic(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_large_message_overtakes_no_small_ones_of_its_topic(bus_url, monkeypatch):
     url, has_room = parse_url(bus_url), threading.Event()
     put = ZenohSender._put
 
-    def put_when_there_is_room(own: ZenohSender, message: Outgoing) -> None:
+    def put_when_there_is_room(own, message):
         if threading.current_thread().name == "keep-last sender" and not message.is_bulk:
             has_room.wait(20.0)
         put(own, message)
@@ -112,7 +105,7 @@ def test_a_large_message_overtakes_no_small_ones_of_its_topic(
     assert [len(packet.payload) for packet in packets] == [5, 6, 5, MOST_WAITING_BYTES + 1]
 
 
-def test_zenoh_says_who_sent_what(bus_url: str) -> None:
+def test_zenoh_says_who_sent_what(bus_url):
     url = parse_url(bus_url)
     with ZenohObserver(url) as bus, _listening(url) as listener:
         bus.send("a", b"own")
@@ -125,7 +118,7 @@ def test_zenoh_says_who_sent_what(bus_url: str) -> None:
         assert listener.numbered[own.sender].lost == 0
 
 
-def test_commands_work_on_zenoh(cli: Any, start_node: Any) -> None:
+def test_commands_work_on_zenoh(cli, start_node):
     start_node(Talker, "__ns:=/a")
     chatter, talker = "/a/chatter", "/a/talker"
     for arguments, expected in (
@@ -145,7 +138,7 @@ def test_commands_work_on_zenoh(cli: Any, start_node: Any) -> None:
         assert expected in cli(*arguments).out, arguments
 
 
-def test_recording_and_playing_work_on_zenoh(cli: Any, start_node: Any, tmp_path: Path) -> None:
+def test_recording_and_playing_work_on_zenoh(cli, start_node, tmp_path):
     start_node(Talker)
     log = str(tmp_path / "a.lcmlog")
     assert cli("bag", "record", "-o", log, "-n", "5", "/chatter").code == 0
@@ -153,7 +146,7 @@ def test_recording_and_playing_work_on_zenoh(cli: Any, start_node: Any, tmp_path
     assert cli("bag", "play", log, "--ns", "/replay").code == 0
 
 
-def test_a_late_list_is_complete_at_once(bus_url: str, start_node: Any) -> None:
+def test_a_late_list_is_complete_at_once(bus_url, start_node):
     """Sessions keep their nodes' announcements for who asks: no time has to pass."""
     for number in range(10):
         start_node(Talker, f"__ns:=/r{number}")
@@ -161,7 +154,7 @@ def test_a_late_list_is_complete_at_once(bus_url: str, start_node: Any) -> None:
         assert len(monitor.discover().nodes) == 10
 
 
-def test_a_question_ends_when_all_have_answered(bus_url: str) -> None:
+def test_a_question_ends_when_all_have_answered(bus_url):
     """None is asked again and again until a timeout."""
     with closing(ZenohBus(parse_url(bus_url))), _listening(parse_url(bus_url)) as listener:
         for _ in range(3):
@@ -172,8 +165,8 @@ def test_a_question_ends_when_all_have_answered(bus_url: str) -> None:
 
 
 def test_a_program_whose_address_another_one_has_ends_at_once(
-    free_port: Callable[[], int], start_node: Any, lcmtools_process: Any, stopwatch: Any
-) -> None:
+    free_port, start_node, lcmtools_process, stopwatch
+):
     url = f"zenoh://224.0.0.224:{free_port()}?listen=127.0.0.1:{free_port()}"
     start_node(Talker, url=url)
     watch = stopwatch()
@@ -181,15 +174,13 @@ def test_a_program_whose_address_another_one_has_ends_at_once(
     assert watch.seconds() < 8.0  # Zenoh itself closes after 10 s
 
 
-def test_a_session_that_does_not_close_is_left(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
-) -> None:
+def test_a_session_that_does_not_close_is_left(bus_url, monkeypatch, request):
     """As with a connection that cannot be made, because a line is full."""
     ends = threading.Event()
     request.addfinalizer(ends.set)
     close = ZenohSession._close_session
 
-    def close_late(session: ZenohSession) -> None:
+    def close_late(session):
         ends.wait(10.0)
         close(session)
 
@@ -202,26 +193,22 @@ def test_a_session_that_does_not_close_is_left(
 
 
 @pytest.mark.usefixtures("bus_url")
-def test_a_signal_handler_may_publish_while_a_message_arrives(
-    start_python: Callable[..., Any],
-) -> None:
+def test_a_signal_handler_may_publish_while_a_message_arrives(start_python):
     program = start_python(_PUBLISHES_IN_A_HANDLER)
     assert program.wait() == 0, program.output
 
 
-def test_no_thread_sends_when_a_session_has_closed(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_thread_sends_when_a_session_has_closed(bus_url, monkeypatch):
     """Python ends a thread that returns from Zenoh's code too late by aborting the process."""
     closed, put, close = threading.Event(), ZenohSender._put, ZenohSession._close_session
 
-    def put_slowly(own: ZenohSender, message: Outgoing) -> None:
+    def put_slowly(own, message):
         if message.is_bulk:
             closed.wait(20.0)
             time.sleep(0.2)  # it takes a moment to notice
         put(own, message)
 
-    def close_and_tell(session: ZenohSession) -> None:
+    def close_and_tell(session):
         close(session)
         closed.set()
 
@@ -233,7 +220,7 @@ def test_no_thread_sends_when_a_session_has_closed(
     assert "keep-last sender" not in [thread.name for thread in threading.enumerate()]
 
 
-def test_channels_without_end_fill_no_memory(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_channels_without_end_fill_no_memory(bus_url, monkeypatch):
     monkeypatch.setattr(sender, "_MOST_PUBLISHERS", 10)
     with ZenohObserver(parse_url(bus_url)) as observer, _listening(parse_url(bus_url)) as listener:
         for number in range(25):
@@ -244,20 +231,18 @@ def test_channels_without_end_fill_no_memory(bus_url: str, monkeypatch: pytest.M
         assert len(known._bulk_keys) <= 10
 
 
-def test_sessions_found_after_the_question_are_asked_too(bus_url: str, start_node: Any) -> None:
+def test_sessions_found_after_the_question_are_asked_too(bus_url, start_node):
     """On a busy computer, sessions find each other while the first answers come."""
     with _listening(parse_url(bus_url)) as listener:
         start_node(Talker)
         while all(packet.channel != NODE_CHANNEL for packet in listener.receive(0.1)):
             pass  # a session that is asked before its node is there has nothing to answer
-        replies: list[Packet] = []
+        replies = []
         while listener.is_awaiting or not any(one.channel == NODE_CHANNEL for one in replies):
             replies += [packet for packet in listener.receive(0.1) if packet.seqno is None]
 
 
-def test_dimos_program_is_heard_and_spoken_to(
-    bus_url: str, cli: Any, start_python: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_dimos_program_is_heard_and_spoken_to(bus_url, cli, start_python, monkeypatch):
     """A plain program of Zenoh with dimos's keys: the type in the key, payloads as LCM has them."""
     group = bus_url.removeprefix("zenoh://")
     program = start_python(_DIMOS, group)
@@ -275,9 +260,7 @@ def test_dimos_program_is_heard_and_spoken_to(
     assert program.wait_for("heard dimos/goal/std_msgs.String kitchen")
 
 
-def test_zenoh_that_is_not_installed_is_told_in_one_line(
-    cli: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_zenoh_that_is_not_installed_is_told_in_one_line(cli, monkeypatch):
     monkeypatch.setitem(sys.modules, "zenoh", None)
     for name in ("opening", "session", "observer"):
         monkeypatch.delitem(sys.modules, f"lcmtools.bus.zenoh.{name}", raising=False)
@@ -295,14 +278,14 @@ def test_zenoh_that_is_not_installed_is_told_in_one_line(
         ("zenoh:///nowhere.json5", "cannot read Zenoh's configuration '/nowhere.json5'"),
     ],
 )
-def test_zenoh_that_cannot_be_reached_is_explained(cli: Any, url: str, fault: str) -> None:
+def test_zenoh_that_cannot_be_reached_is_explained(cli, url, fault):
     done = cli("list", "--lcm-url", url)
     assert (done.code, done.out) == (1, "")
     assert done.err.startswith(f"lcmtools list: {fault}")
     assert done.err.count("\n") == 1
 
 
-def test_fault_of_a_zenoh_configuration_is_explained(cli: Any, tmp_path: Path) -> None:
+def test_fault_of_a_zenoh_configuration_is_explained(cli, tmp_path):
     path = tmp_path / "a.json5"
     for text, fault in (
         ('{mode: "clint"}', "line 1: unknown variant `clint`"),
@@ -315,10 +298,8 @@ def test_fault_of_a_zenoh_configuration_is_explained(cli: Any, tmp_path: Path) -
         assert done.err.startswith(f"lcmtools list: cannot use {path}: {fault}"), done
 
 
-def test_lost_connection_is_told_once_and_comes_back(
-    free_port: Callable[[], int], wait_until: WaitUntil
-) -> None:
-    told: list[str] = []
+def test_lost_connection_is_told_once_and_comes_back(free_port, wait_until):
+    told = []
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     hub = parse_url(f"zenoh://224.0.0.224:{free_port()}?listen=127.0.0.1:{port}")
@@ -326,7 +307,7 @@ def test_lost_connection_is_told_once_and_comes_back(
     first = ZenohBus(hub)
     with closing(ZenohBus(url)) as bus, closing(ZenohBus(url)) as other:
         bus.on_outage = told.append
-        heard: list[bytes] = []
+        heard = []
         other.subscribe("a", lambda payload, _: heard.append(payload))
         first.close()
         wait_until(
@@ -335,14 +316,14 @@ def test_lost_connection_is_told_once_and_comes_back(
         with closing(ZenohBus(hub)):
             wait_until(lambda: told[1:] == [f"the connection to {url} is back"])
 
-            def is_heard() -> bool:
+            def is_heard():
                 bus.publish("a", b"through the hub")
                 return bool(heard)
 
             wait_until(is_heard)
 
 
-def test_a_forked_process_leaves_zenoh_to_its_parent(bus_url: str, start_python: Any) -> None:
+def test_a_forked_process_leaves_zenoh_to_its_parent(bus_url, start_python):
     program = start_python(_FORKING, LCM_DEFAULT_URL=bus_url)
     assert program.wait() == 0
     assert_says(program.output, "Zenoh", "fork")
@@ -394,7 +375,7 @@ with zenoh.open(config) as session:
 """
 
 
-def test_a_relay_hears_others_but_not_itself(bus_url: str) -> None:
+def test_a_relay_hears_others_but_not_itself(bus_url):
     url = parse_url(bus_url)
     with ZenohObserver(url, is_relay=True) as relay, _listening(url) as other:
         relay.send("/own", b"1")

@@ -1,24 +1,19 @@
 """bag export and import: a log in other formats, and back."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import lcm
 import numpy as np
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 
-Run = Callable[..., Result]
-
 
 @pytest.fixture
-def log(tmp_path: Path) -> str:
+def log(tmp_path):
     """The path of a log: /cmd and /chatter once a second, and a hidden topic."""
     path = str(tmp_path / "a.lcmlog")
     log = lcm.EventLog(path, "w", overwrite=True)
@@ -33,16 +28,14 @@ def log(tmp_path: Path) -> str:
     return path
 
 
-def test_topics_and_times_are_chosen(log: str, tmp_path: Path, cli: Run) -> None:
+def test_topics_and_times_are_chosen(log, tmp_path, cli):
     target = tmp_path / "a.npz"
     words = ("bag", "export", log, str(target), "-t", "/cmd", "-s", "2s", "-e", "end-2s")
     assert cli(*words).out == f"{target}: 6 messages\n"
     assert np.load(target)["linear.x"].tolist() == [number / 4 for number in range(2, 8)]
 
 
-def test_hidden_topics_are_left_out_unless_they_are_named(
-    log: str, tmp_path: Path, cli: Run
-) -> None:
+def test_hidden_topics_are_left_out_unless_they_are_named(log, tmp_path, cli):
     topics = []
     for name, choice in (("a.jsonl", ()), ("b.jsonl", ("-t", "/_hidden"))):
         assert cli("bag", "export", log, str(tmp_path / name), *choice).code == 0
@@ -55,9 +48,7 @@ def test_hidden_topics_are_left_out_unless_they_are_named(
     ("target", "options"),
     [("a.mcap", ()), ("a.bag", ()), ("folder", ("--format", "ros2"))],
 )
-def test_a_log_comes_back_from_ros_as_it_went(
-    target: str, options: tuple[str, ...], log: str, tmp_path: Path, cli: Run
-) -> None:
+def test_a_log_comes_back_from_ros_as_it_went(target, options, log, tmp_path, cli):
     there, back = str(tmp_path / target), str(tmp_path / "back.lcmlog")
     assert cli("bag", "export", log, there, *options).code == 0
     result = cli("bag", "import", there, back, "--json")
@@ -67,7 +58,7 @@ def test_a_log_comes_back_from_ros_as_it_went(
     assert "message 9" in printed[0]
 
 
-def test_what_is_left_out_is_said(tmp_path: Path, cli: Run) -> None:
+def test_what_is_left_out_is_said(tmp_path, cli):
     path, target = tmp_path / "a.lcmlog", tmp_path / "a.jsonl"
     log = lcm.EventLog(str(path), "w", overwrite=True)
     log.write_event(1_000_000, "/chatter", encode(String()))

@@ -5,9 +5,6 @@ import shlex
 import signal
 import subprocess
 import threading
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
@@ -30,22 +27,21 @@ from lcmtools.wire.packet import Packet, Sender
 
 S = 1_000_000_000
 START = 1_795_000_000 * S
-Cli = Callable[..., Any]
 ODOMETRY = encode(Odometry())
 PLAIN = b"\0\1\2 no LCM message \xff"
 
 
-def twist(forward: float) -> bytes:
+def twist(forward):
     message = Twist()
     message.linear.x = forward
     return encode(message)
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> Callable[..., str]:
+def log(tmp_path):
     """``log(("/a", 0.1, payload), ...)``: the path of a log with messages at seconds."""
 
-    def write(*messages: tuple[str, float, bytes]) -> str:
+    def write(*messages):
         path = tmp_path / "ride.lcmlog"
         found = [Packet(channel, data, START + round(time * S)) for channel, time, data in messages]
         path.write_bytes(b"".join(encode_event(n, one) for n, one in enumerate(found)))
@@ -55,7 +51,7 @@ def log(tmp_path: Path) -> Callable[..., str]:
 
 
 @pytest.fixture
-def ride(log: Callable[..., str]) -> str:
+def ride(log):
     """A log of a drive."""
     return log(
         *(
@@ -69,30 +65,30 @@ def ride(log: Callable[..., str]) -> str:
 class Listener:
     """Receives all messages on a bus, as a plain LCM program does."""
 
-    def __init__(self, url: str) -> None:
-        self.received: list[tuple[str, bytes]] = []
+    def __init__(self, url):
+        self.received = []
         self._bus = lcm.LCM(url)
         self._bus.subscribe("[^#].*", self._receive)
         self._goes_on = True
         self._thread = threading.Thread(target=self._listen)
         self._thread.start()
 
-    def close(self) -> None:
+    def close(self):
         """Receive no more."""
         self._goes_on = False
         self._thread.join()
 
-    def _listen(self) -> None:
+    def _listen(self):
         while self._goes_on:
             self._bus.handle_timeout(50)
 
-    def _receive(self, channel: str, payload: bytes) -> None:
+    def _receive(self, channel, payload):
         if not channel.startswith(("/_lcmtools", "LCM_SELF_TEST")):
             self.received.append((channel, payload))
 
 
 @pytest.fixture
-def listener(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Listener]:
+def listener(bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     one = Listener(bus_url)
     yield one
@@ -102,23 +98,21 @@ def listener(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Listener
 class Robot(Node):
     """Obeys velocities."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("robot")
-        self.speeds: list[float] = []
+        self.speeds = []
         self.create_subscription(Twist, "/cmd_vel", lambda m: self.speeds.append(m.linear.x), 100)
 
 
 class Driver(Node):
     """Publishes velocities."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("driver")
         self.create_publisher(Twist, "/cmd_vel")
 
 
-def test_messages_come_as_they_were_recorded(
-    cli: Cli, log: Callable[..., str], listener: Listener, wait_until: Callable[..., None]
-) -> None:
+def test_messages_come_as_they_were_recorded(cli, log, listener, wait_until):
     messages = [("PLAIN", 0.0, PLAIN), ("/a", 0.05, ODOMETRY), ("/a", 0.06, b""), ("/b", 0.2, b"x")]
     ghost = ("/_lcmtools/node", 0.01, b"an announcement of a node that is gone")
     done = cli("bag", "play", log(messages[0], ghost, *messages[1:]))
@@ -130,9 +124,7 @@ def test_messages_come_as_they_were_recorded(
     assert listener.received == [(channel, data) for channel, _, data in messages]
 
 
-def test_what_is_in_use_is_not_played(
-    cli: Cli, ride: str, listener: Listener, start_node: Callable[..., Any]
-) -> None:
+def test_what_is_in_use_is_not_played(cli, ride, listener, start_node):
     start_node(Robot)
     start_node(Driver)
     done = cli("bag", "play", ride)
@@ -157,14 +149,8 @@ def test_what_is_in_use_is_not_played(
     ],
 )
 def test_what_is_moved_or_left_out_is_played(  # noqa: PLR0913, PLR0917 - fixtures
-    cli: Cli,
-    ride: str,
-    listener: Listener,
-    start_node: Callable[..., Any],
-    wait_until: Callable[..., None],
-    words: list[str],
-    topics: set[str],
-) -> None:
+    cli, ride, listener, start_node, wait_until, words, topics
+):
     robot = start_node(Robot)
     done = cli("bag", "play", ride, "--rate", "0", *words)
     assert done.code == 0, done
@@ -173,13 +159,7 @@ def test_what_is_moved_or_left_out_is_played(  # noqa: PLR0913, PLR0917 - fixtur
     assert robot.node.speeds == []
 
 
-def test_a_forced_command_is_followed_by_zero(
-    cli: Cli,
-    ride: str,
-    bus_url: str,
-    start_node: Callable[..., Any],
-    wait_until: Callable[..., None],
-) -> None:
+def test_a_forced_command_is_followed_by_zero(cli, ride, bus_url, start_node, wait_until):
     robot = start_node(Robot)
     done = cli("bag", "play", ride, "--force", "--rate", "10", env={"LCM_DEFAULT_URL": bus_url})
     assert done.code == 0, done
@@ -191,13 +171,7 @@ def test_a_forced_command_is_followed_by_zero(
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_leaves_no_command_without_a_word(
-    cli: Cli,
-    ride: str,
-    bus_url: str,
-    start_node: Callable[..., Any],
-    number: signal.Signals,
-) -> None:
+def test_a_signal_leaves_no_command_without_a_word(cli, ride, bus_url, start_node, number):
     robot = start_node(Robot)
     words = ["bag", "play", ride, "--force", "--loop"]
     done = cli(
@@ -211,12 +185,12 @@ def test_a_signal_leaves_no_command_without_a_word(
 
 
 def test_who_plays_announces_the_topics_and_is_told_of_others(
-    cli: Cli, ride: str, bus_url: str, start_node: Callable[..., Any], monkeypatch: Any
-) -> None:
+    cli, ride, bus_url, start_node, monkeypatch
+):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     robot = start_node(Watcher)
 
-    def is_warned(text: str) -> bool:
+    def is_warned(text):
         topic = robot.node.graph().topic("/odom")
         if topic.publishers and not robot.node.seen:
             robot.node.seen = topic.publishers[0][1].type
@@ -232,7 +206,7 @@ def test_who_plays_announces_the_topics_and_is_told_of_others(
 class Watcher(Node):
     """Looks at the graph."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("watcher")
         self.seen = ""
 
@@ -240,16 +214,14 @@ class Watcher(Node):
 class Sleeper(Node):
     """Is on simulated time."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("sleeper")
-        self.times: list[int] = []
+        self.times = []
         said = lambda _: self.times.append(self.get_clock().now())  # noqa: E731
         self.create_subscription(Odometry, "/odom", said, 100)
 
 
-def test_nodes_on_simulated_time_have_the_time_of_the_log(
-    cli: Cli, ride: str, bus_url: str, start_node: Callable[..., Any]
-) -> None:
+def test_nodes_on_simulated_time_have_the_time_of_the_log(cli, ride, bus_url, start_node):
     node = start_node(Sleeper, "_use_sim_time:=true").node
     done = cli("bag", "play", ride, "--clock", env={"LCM_DEFAULT_URL": bus_url})
     assert done.code == 0, done
@@ -258,9 +230,7 @@ def test_nodes_on_simulated_time_have_the_time_of_the_log(
 
 
 @pytest.mark.parametrize(("last", "wait"), [(1000, "16m "), (10 * 365 * 86400, "87")])
-def test_a_long_wait_for_the_next_message_is_told_once(
-    cli: Cli, log: Callable[..., str], bus_url: str, last: int, wait: str
-) -> None:
+def test_a_long_wait_for_the_next_message_is_told_once(cli, log, bus_url, last, wait):
     path = log(*(("/odom", time, ODOMETRY) for time in (0, 0.1, last)))
     done = cli(
         *("bag", "play", path),
@@ -278,9 +248,7 @@ def test_a_long_wait_for_the_next_message_is_told_once(
     assert_says(done.err, f"skipped {wait}", "3 messages in 0.")
 
 
-def test_playing_waits_for_a_subscriber_of_each_topic(
-    cli: Cli, ride: str, bus_url: str, start_node: Callable[..., Any]
-) -> None:
+def test_playing_waits_for_a_subscriber_of_each_topic(cli, ride, bus_url, start_node):
     done = cli(
         *("bag", "play", ride, "-w", "-x", "/cmd_vel"),
         env={"LCM_DEFAULT_URL": bus_url},
@@ -293,15 +261,8 @@ def test_playing_waits_for_a_subscriber_of_each_topic(
 
 
 def test_lcms_own_programs_record_what_is_played_and_play_it(  # noqa: PLR0913, PLR0917 - fixtures
-    cli: Cli,
-    ride: str,
-    tmp_path: Path,
-    bus_url: str,
-    listener: Listener,
-    lcm_program: Callable[[str], str],
-    start: Callable[..., Any],
-    wait_until: Callable[..., None],
-) -> None:
+    cli, ride, tmp_path, bus_url, listener, lcm_program, start, wait_until
+):
     path = tmp_path / "again.lcmlog"
     logger = start(lcm_program("lcm-logger"), "-q", "-l", bus_url, str(path))
     wait_until(path.exists)
@@ -321,11 +282,11 @@ def test_lcms_own_programs_record_what_is_played_and_play_it(  # noqa: PLR0913, 
 
 
 @pytest.fixture
-def typist(lcmtools_path: str, bus_url: str, monkeypatch: Any) -> Iterator[Callable[..., Typist]]:
+def typist(lcmtools_path, bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    typists: list[Typist] = []
+    typists = []
 
-    def sit_down(*words: str) -> Typist:
+    def sit_down(*words):
         typists.append(Typist(lcmtools_path, *words))
         return typists[-1]
 
@@ -334,12 +295,7 @@ def typist(lcmtools_path: str, bus_url: str, monkeypatch: Any) -> Iterator[Calla
         one.close()
 
 
-def test_keys_at_a_terminal(
-    log: Callable[..., str],
-    start_node: Callable[..., Any],
-    typist: Callable[..., Typist],
-    wait_until: Callable[..., None],
-) -> None:
+def test_keys_at_a_terminal(log, start_node, typist, wait_until):
     robot = start_node(Robot).node
     path = log(*(("/cmd_vel", float(time), twist(time)) for time in range(1, 1000)))
     one = typist("bag", "play", path, "--force", "--pause")
@@ -359,7 +315,7 @@ def test_keys_at_a_terminal(
     assert one.settings() == before
 
 
-def test_a_pause_needs_a_terminal(cli: Cli, ride: str) -> None:
+def test_a_pause_needs_a_terminal(cli, ride):
     done = cli("bag", "play", ride, "--pause")
     assert done.code == 2
     assert_says(done.err, "lcmtools bag play: --pause needs a terminal", "leave it out\n")
@@ -373,14 +329,14 @@ def test_a_pause_needs_a_terminal(cli: Cli, ride: str) -> None:
         (["-t", "/od"], "there is no topic /od in the log; did you mean /odom?"),
     ],
 )
-def test_nothing_of_the_log_is_meant(cli: Cli, ride: str, words: list[str], said: str) -> None:
+def test_nothing_of_the_log_is_meant(cli, ride, words, said):
     done = cli("bag", "play", ride, *words)
     assert done.code in (1, 2)
     assert said in done.err
 
 
 @pytest.fixture
-def map_log(tmp_path: Path) -> str:
+def map_log(tmp_path):
     """A log of 20 s whose node has latched /map at its start, and /odom."""
     path = tmp_path / "map.lcmlog"
     end = Endpoint("/map", Role.PUBLISHER, ("nav_msgs/Odometry",), latched=True)
@@ -397,20 +353,15 @@ def map_log(tmp_path: Path) -> str:
 class Viewer(Node):
     """Subscribes to a map."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("viewer")
-        self.maps: list[Odometry] = []
+        self.maps = []
         self.create_subscription(Odometry, "/map", self.maps.append, 10)
 
 
 def test_a_late_subscriber_gets_what_was_latched(
-    map_log: str,
-    start: Callable[..., Any],
-    start_node: Callable[..., Any],
-    lcmtools_path: str,
-    listener: Listener,
-    wait_until: Callable[..., None],
-) -> None:
+    map_log, start, start_node, lcmtools_path, listener, wait_until
+):
     start(lcmtools_path, "bag", "play", map_log, "-s", "5s")
     wait_until(lambda: sum(channel == "/odom" for channel, _ in listener.received) > 3)
     assert listener.received[0] == ("/map", ODOMETRY)
@@ -419,9 +370,7 @@ def test_a_late_subscriber_gets_what_was_latched(
 
 
 @pytest.mark.parametrize("rate", ["1", "0"])
-def test_nothing_overtakes_a_large_message(
-    cli: Cli, log: Callable[..., str], listener: Listener, rate: str
-) -> None:
+def test_nothing_overtakes_a_large_message(cli, log, listener, rate):
     sent = ["/image", *(f"/small{number}" for number in range(5))]
     payloads = [bytes(PACED_ABOVE_BYTES + 1), *(bytes(8) for _ in sent[1:])]
     messages = [(topic, 0.0, payload) for topic, payload in zip(sent, payloads, strict=True)]

@@ -3,13 +3,8 @@
 import json
 import re
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-
-Run = Callable[..., Any]
 
 _PROGRAM = """\
 import lcmtools
@@ -35,13 +30,13 @@ pytestmark = pytest.mark.usefixtures("use_module_bus", "program")
 
 
 @pytest.fixture(scope="module")
-def program(module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> None:
-    script: Path = tmp_path_factory.mktemp("mine") / "my_controller.py"
+def program(module_start, tmp_path_factory):
+    script = tmp_path_factory.mktemp("mine") / "my_controller.py"
     script.write_text(_PROGRAM)
     module_start(sys.executable, str(script), "__ns:=/husky0").wait_for("AttributeError")
 
 
-def test_node_info_shows_the_errors_of_callbacks(cli: Run) -> None:
+def test_node_info_shows_the_errors_of_callbacks(cli):
     shown = cli("node", "info", "controller").out
     assert f"Errors of callbacks:\n * {_WORDS} " in shown
     assert re.search(rf"(once|\d+ times), {re.escape(_PLACE)}", shown)
@@ -51,7 +46,7 @@ def test_node_info_shows_the_errors_of_callbacks(cli: Run) -> None:
     assert error["count"] > 0
 
 
-def test_spy_names_the_nodes_whose_callbacks_raise(cli: Run) -> None:
+def test_spy_names_the_nodes_whose_callbacks_raise(cli):
     said = cli("spy", "--once", "--wait", "300ms").err
     assert f"lcmtools spy: /husky0/controller: {_WORDS} " in said
     assert _PLACE in said

@@ -4,13 +4,9 @@ import os
 import socket
 import subprocess
 import threading
-from collections.abc import Callable, Iterator
 from contextlib import closing
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 from fixtures.typist import Typist
 
@@ -24,7 +20,6 @@ from lcmtools.publish import quick_parameters
 from lcmtools.wire.datagram import fragments, short_message
 
 BREAKS = " \t\n\"'><=;|&(:"
-Ask = Callable[..., list[str]]
 
 _SERVER = """
 import lcmtools
@@ -39,12 +34,12 @@ lcmtools.spin(node)
 
 
 @pytest.fixture
-def ask(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
+def ask(bus_url, monkeypatch):
     """``ask("lcmtools echo /", **environment)``: the lines that bash gets."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     monkeypatch.setattr(quick_probe, "AT_MOST", 5.0)  # nodes of a busy computer answer late
 
-    def run(line: str, *, shell: str = "bash", **environment: str) -> list[str]:
+    def run(line, *, shell="bash", **environment):
         with pytest.MonkeyPatch.context() as patch:
             for name, value in environment.items():
                 patch.setenv(name, value)
@@ -55,10 +50,10 @@ def ask(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
 
 
 @pytest.fixture
-def ask_process(lcmtools_path: str, bus_url: str) -> Ask:
+def ask_process(lcmtools_path, bus_url):
     """The same from a process, which is silent whatever happens."""
 
-    def run(line: str, **environment: str) -> list[str]:
+    def run(line, **environment):
         own = {"LCM_DEFAULT_URL": bus_url, "_LCMTOOLS_COMPLETE": "bash", **environment}
         ended = subprocess.run(
             [lcmtools_path, line, BREAKS],
@@ -74,7 +69,7 @@ def ask_process(lcmtools_path: str, bus_url: str) -> Ask:
     return run
 
 
-def test_commands_groups_aliases_and_options_are_completed(ask: Ask) -> None:
+def test_commands_groups_aliases_and_options_are_completed(ask):
     commands = ask("lcmtools ")
     assert {"list", "echo", "pub", "node", "msg", "topic", "run", "completion"} <= set(commands)
     assert ask("lcmtools ec") == ["closed", "echo"]
@@ -85,9 +80,7 @@ def test_commands_groups_aliases_and_options_are_completed(ask: Ask) -> None:
     assert ask("lcmtools completion z") == ["closed", "zsh"]
 
 
-def test_a_topic_its_type_and_its_prototype_follow_each_other(
-    ask: Ask, start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_a_topic_its_type_and_its_prototype_follow_each_other(ask, start, lcmtools_path, bus_url):
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
     assert ask("lcmtools pub /chat") == ["closed", "/chatter"]
     assert ask("lcmtools pub /chatter ") == ["closed", "std_msgs/String"]
@@ -97,12 +90,7 @@ def test_a_topic_its_type_and_its_prototype_follow_each_other(
     assert ask("lcmtools list --lcm-url=x --json /") == ["closed"]
 
 
-def test_services_and_parameters_of_a_running_node(
-    ask: Ask,
-    start_python: Callable[..., Any],
-    bus_url: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_services_and_parameters_of_a_running_node(ask, start_python, bus_url, monkeypatch):
     monkeypatch.setattr(quick_parameters, "_ANSWER", 40.0)  # of a busy computer
     start_python(_SERVER, LCM_DEFAULT_URL=bus_url).wait_for("ready")
     assert ask("lcmtools service call /") == ["closed", "/reset"]
@@ -127,26 +115,24 @@ def test_services_and_parameters_of_a_running_node(
         ("lcmtools sim spawn h", ["husky"]),
     ],
 )
-def test_names_that_are_always_there_are_completed(ask: Ask, line: str, found: list[str]) -> None:
+def test_names_that_are_always_there_are_completed(ask, line, found):
     assert ask(line) == ["closed", *found]
 
 
 @pytest.mark.parametrize(
     "line", ["lcmtools lab check husky --mover ./", "lcmtools param load ", "lcmtools echo -b "]
 )
-def test_files_are_asked_for_where_one_stands(ask: Ask, line: str) -> None:
+def test_files_are_asked_for_where_one_stands(ask, line):
     assert ask(line) == ["files"]
 
 
-def test_options_behind_a_nodes_name_are_the_nodes(ask: Ask) -> None:
+def test_options_behind_a_nodes_name_are_the_nodes(ask):
     assert ask("lcmtools run talker --pa") == ["closed", "--param"]
     assert "--json" not in ask("lcmtools run talker --")
     assert "--json" in ask("lcmtools run --")
 
 
-def test_spy_and_graph_take_topics_and_namespaces(
-    ask: Ask, start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_spy_and_graph_take_topics_and_namespaces(ask, start, lcmtools_path, bus_url):
     start(lcmtools_path, "run", "talker", "__ns:=/husky0", LCM_DEFAULT_URL=bus_url).wait_for(
         "hello"
     )
@@ -157,10 +143,10 @@ def test_spy_and_graph_take_topics_and_namespaces(
     assert ask("lcmtools param load gains.yaml /hus") == ["closed", "/husky0/talker"]
 
 
-def test_a_plain_program_is_remembered_when_it_is_silent_later(ask: Ask, bus_url: str) -> None:
+def test_a_plain_program_is_remembered_when_it_is_silent_later(ask, bus_url):
     url, over = parse_url(bus_url), threading.Event()
 
-    def publish() -> None:
+    def publish():
         with sending_socket(url) as program:
             while not over.wait(0.002):
                 program.sendto(short_message(1, "SLOW", bytes(8)), (url.host, url.port))
@@ -185,22 +171,20 @@ def test_a_plain_program_is_remembered_when_it_is_silent_later(ask: Ask, bus_url
         "file:///x",
     ],
 )
-def test_a_bus_that_cannot_be_used_is_passed_over_in_silence(ask: Ask, wrong: str) -> None:
+def test_a_bus_that_cannot_be_used_is_passed_over_in_silence(ask, wrong):
     assert ask("lcmtools echo /", LCM_DEFAULT_URL=wrong) == ["closed"]
     assert ask("lcmtools pub /a std_msgs/S", LCM_DEFAULT_URL=wrong) == ["closed", "std_msgs/String"]
 
 
 @pytest.mark.usefixtures("bare_network")
-def test_without_a_network_nothing_is_said_and_nothing_waits(ask: Ask) -> None:
+def test_without_a_network_nothing_is_said_and_nothing_waits(ask):
     assert ask("lcmtools echo /") == ["closed"]
     assert "--once" in ask("lcmtools echo --")
 
 
 @pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
-def test_a_bus_full_of_images_hides_no_node(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_a_bus_full_of_images_hides_no_node(start, lcmtools_path, bus_url):
     talker = start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url)
     talker.wait_for("hello")
     url = parse_url(bus_url)
@@ -214,23 +198,21 @@ def test_a_bus_full_of_images_hides_no_node(
 
 
 @pytest.mark.parametrize("what", ["", "bogus", "powershell", "bash_complete"])
-def test_a_shell_that_is_not_known_gets_nothing(ask: Ask, what: str) -> None:
+def test_a_shell_that_is_not_known_gets_nothing(ask, what):
     assert ask("lcmtools ", shell=what) == []
 
 
 @pytest.mark.parametrize("line", ["", "lcmtools", '"', "'", "lcmtools '", "lcmtools \\", "(((("])
-def test_whatever_is_typed_nothing_is_printed_into_the_prompt(ask_process: Ask, line: str) -> None:
+def test_whatever_is_typed_nothing_is_printed_into_the_prompt(ask_process, line):
     ask_process(line)
 
 
-def test_completion_works_where_no_folder_can_be_written(ask: Ask) -> None:
+def test_completion_works_where_no_folder_can_be_written(ask):
     nowhere = {"XDG_CACHE_HOME": "/dev/null", "XDG_RUNTIME_DIR": "", "HOME": ""}
     assert ask("lcmtools ec", **nowhere) == ["closed", "echo"]
 
 
-def test_what_goes_wrong_is_written_to_a_file_when_that_is_asked_for(
-    ask_process: Ask, tmp_path: Path
-) -> None:
+def test_what_goes_wrong_is_written_to_a_file_when_that_is_asked_for(ask_process, tmp_path):
     said = {"XDG_STATE_HOME": str(tmp_path), "PYTHONPATH": str(tmp_path)}
     (tmp_path / "socket.py").write_text("raise RuntimeError('a broken socket')")
     assert ask_process("lcmtools echo /", **said) == []
@@ -240,13 +222,8 @@ def test_what_goes_wrong_is_written_to_a_file_when_that_is_asked_for(
 
 
 def test_completion_imports_neither_click_nor_dataclasses_nor_lcm_nor_yaml(
-    ask_process: Ask,
-    tmp_path: Path,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    wait_until: Callable[..., None],
-) -> None:
+    ask_process, tmp_path, start, lcmtools_path, bus_url, wait_until
+):
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
     for module in ("click", "dataclasses", "lcm", "yaml", "numpy", "textual"):
         (tmp_path / f"{module}.py").write_text("raise RuntimeError")
@@ -259,9 +236,7 @@ def test_completion_imports_neither_click_nor_dataclasses_nor_lcm_nor_yaml(
     assert ask_process("lcmtools wtf --rule ttl", **blocked) == ["closed", "ttl"]
 
 
-def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(
-    cli: Callable[..., Result],
-) -> None:
+def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(cli):
     assert "compdef" in cli("completion", env={"SHELL": "/usr/bin/zsh"}).out
     assert "complete -c lcmtools" in cli("completion", "fish", env={"SHELL": "/bin/bash"}).out
     bash = cli("completion", "bash")
@@ -270,9 +245,7 @@ def test_the_script_is_printed_for_the_shell_in_use_or_the_one_named(
     assert bash.err == ""
 
 
-def test_installing_says_what_it_did_and_what_to_do_next(
-    cli: Callable[..., Result], tmp_path: Path
-) -> None:
+def test_installing_says_what_it_did_and_what_to_do_next(cli, tmp_path):
     said = {
         "HOME": str(tmp_path),
         "XDG_CONFIG_HOME": "",
@@ -292,15 +265,13 @@ def test_installing_says_what_it_did_and_what_to_do_next(
     assert not script.exists()
 
 
-def test_no_socket_stays_behind(ask_process: Ask, bus_url: str) -> None:
+def test_no_socket_stays_behind(ask_process, bus_url):
     ask_process("lcmtools echo /")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("", parse_url(bus_url).port))  # fails where anybody has it
 
 
-def test_on_a_terminal_it_says_how_it_is_installed_and_prints_no_script(
-    lcmtools_path: str,
-) -> None:
+def test_on_a_terminal_it_says_how_it_is_installed_and_prints_no_script(lcmtools_path):
     with closing(Typist(lcmtools_path, "completion", "bash")) as person:
         assert person.end() == 0
     shown = person.written.decode()

@@ -8,12 +8,9 @@ import shlex
 import shutil
 import subprocess
 import uuid
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 
 from lcmtools.cli.completion.install import install, plan
 
@@ -42,7 +39,7 @@ _SETTINGS = {
 class Terminal:
     """A shell in a terminal of its own."""
 
-    def __init__(self, shell: str, home: Path, environment: dict[str, str]) -> None:
+    def __init__(self, shell, home, environment):
         self._tmux = ["tmux", "-L", f"lcmtools-{uuid.uuid4().hex}"]
         said = [f"{name}={value}" for name, value in environment.items()]
         command = shlex.join(["env", "-u", "PROMPT_COMMAND", *said, *_START[shell]])
@@ -60,21 +57,21 @@ class Terminal:
             command,
         )
 
-    def type(self, *keys: str) -> None:
+    def type(self, *keys):
         """Press keys: texts, or names like Tab."""
         for key in keys:
             self._run("send-keys", *([] if key in ("Tab", "Enter", "C-u") else ["-l"]), key)
 
-    def screen(self) -> str:
+    def screen(self):
         """The lines on the screen, without empty ones."""
         shown = self._run("capture-pane", "-p", "-J")
         return "\n".join(line.rstrip() for line in shown.splitlines() if line.strip())
 
-    def close(self) -> None:
+    def close(self):
         """End it, and the shell with it."""
         self._run("kill-server")
 
-    def _run(self, *arguments: str) -> str:
+    def _run(self, *arguments):
         ended = subprocess.run(
             [*self._tmux, *arguments], capture_output=True, text=True, timeout=40, check=False
         )
@@ -82,7 +79,7 @@ class Terminal:
 
 
 @pytest.fixture(params=SHELLS)
-def shell(request: pytest.FixtureRequest) -> str:
+def shell(request):
     """A shell that is installed."""
     name = str(request.param)
     for program in (name, "tmux"):
@@ -92,14 +89,7 @@ def shell(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def terminal(
-    shell: str,
-    tmp_path: Path,
-    bus_url: str,
-    lcmtools_path: str,
-    cli: Callable[..., Result],
-    wait_until: Callable[..., None],
-) -> Iterator[Terminal]:
+def terminal(shell, tmp_path, bus_url, lcmtools_path, cli, wait_until):
     """The shell with completion installed, at its prompt."""
     environment = {
         "HOME": str(tmp_path),
@@ -125,10 +115,10 @@ def terminal(
 
 
 @pytest.fixture
-def completes(terminal: Terminal, wait_until: Callable[..., None]) -> Callable[[str, str], None]:
+def completes(terminal, wait_until):
     """``completes("lcmtools ec", "lcmtools echo")``: what a TAB makes of what is typed."""
 
-    def press(typed: str, wanted: str) -> None:
+    def press(typed, wanted):
         terminal.type("C-u", typed)
         wait_until(lambda: terminal.screen().endswith(f"{PROMPT}{typed}".rstrip()))
         line = f"{PROMPT}{wanted}".rstrip()
@@ -139,15 +129,13 @@ def completes(terminal: Terminal, wait_until: Callable[..., None]) -> Callable[[
 
 
 @pytest.fixture
-def talker(start: Callable[..., Any], lcmtools_path: str, bus_url: str) -> None:
+def talker(start, lcmtools_path, bus_url):
     """A node on the bus."""
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url).wait_for("hello")
 
 
 @pytest.mark.usefixtures("talker")
-def test_tab_completes_a_command_a_topic_its_type_and_its_prototype(
-    shell: str, completes: Callable[[str, str], None], terminal: Terminal
-) -> None:
+def test_tab_completes_a_command_a_topic_its_type_and_its_prototype(shell, completes, terminal):
     prototype = {"fish": "\\{data:\\ \\'\\'\\}"}.get(shell, "\"{data: ''}\"")
     completes("lcmtools ec", "lcmtools echo")
     completes("lcmtools echo /chat", "lcmtools echo /chatter")
@@ -166,9 +154,7 @@ def test_tab_completes_a_command_a_topic_its_type_and_its_prototype(
     assert "rror" not in terminal.screen()
 
 
-def test_tab_completes_names_that_are_always_there(
-    completes: Callable[[str, str], None], terminal: Terminal
-) -> None:
+def test_tab_completes_names_that_are_always_there(completes, terminal):
     completes("lcmtools lab start hu", "lcmtools lab start husky")
     completes("lcmtools lab skeleton kin", "lcmtools lab skeleton kinect_viewer")
     completes("lcmtools wtf --rule kernel", "lcmtools wtf --rule kernel-drops")
@@ -177,13 +163,7 @@ def test_tab_completes_names_that_are_always_there(
 
 
 @pytest.mark.usefixtures("talker")
-def test_the_prototype_reaches_the_command_whole(
-    completes: Callable[[str, str], None],
-    terminal: Terminal,
-    shell: str,
-    tmp_path: Path,
-    wait_until: Callable[..., None],
-) -> None:
+def test_the_prototype_reaches_the_command_whole(completes, terminal, shell, tmp_path, wait_until):
     line = "lcmtools pub /c std_msgs/String "
     prototype = {"fish": "\\{data:\\ \\'\\'\\}"}.get(shell, "\"{data: ''}\"")
     completes(line, f"{line}{prototype}")
@@ -192,9 +172,7 @@ def test_the_prototype_reaches_the_command_whole(
     assert tmp_path.exists()
 
 
-def test_a_bus_that_is_wrong_leaves_the_prompt_as_it_was(
-    terminal: Terminal, wait_until: Callable[..., None], shell: str
-) -> None:
+def test_a_bus_that_is_wrong_leaves_the_prompt_as_it_was(terminal, wait_until, shell):
     setting = "set -x" if shell == "fish" else "export"
     gap = " " if shell == "fish" else "="
     terminal.type(f"{setting} LCM_DEFAULT_URL{gap}nonsense; clear")
@@ -207,13 +185,13 @@ def test_a_bus_that_is_wrong_leaves_the_prompt_as_it_was(
 
 
 @pytest.mark.usefixtures("shell")
-def test_files_are_left_to_the_shell(completes: Callable[[str, str], None], tmp_path: Path) -> None:
+def test_files_are_left_to_the_shell(completes, tmp_path):
     (tmp_path / "messages.yaml").touch()
     completes("lcmtools pub -f mess", "lcmtools pub -f messages.yaml")
 
 
 @pytest.mark.parametrize("name", SHELLS)
-def test_the_shell_finds_no_mistake_in_its_script(name: str, tmp_path: Path) -> None:
+def test_the_shell_finds_no_mistake_in_its_script(name, tmp_path):
     if shutil.which(name) is None:
         pytest.skip(f"{name} is not installed")
     wanted = plan(name, {"HOME": str(tmp_path)})

@@ -3,14 +3,9 @@
 import csv
 import json
 import sys
-from collections.abc import Callable
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
-
-Run = Callable[..., Result]
 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "publishers")
 
@@ -35,9 +30,7 @@ while True:
 
 
 @pytest.fixture(scope="module")
-def publishers(
-    module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def publishers(module_start, lcmtools_path, tmp_path_factory):
     """/scan, /tf and /chatter of nodes that announce their types; NUMBER and NOISE of a script."""
     script = tmp_path_factory.mktemp("counter") / "counter.py"
     script.write_text(_COUNTER)
@@ -52,7 +45,7 @@ def publishers(
     counter.wait_for("sent")
 
 
-def output(result: Result) -> str:
+def output(result):
     assert (result.code, result.err) == (0, "")
     return result.out
 
@@ -71,11 +64,11 @@ def output(result: Result) -> str:
         ("/tf/transforms[:].header.frame_id", "- odom\n- map"),
     ],
 )
-def test_a_field_path_behind_the_topic_shows_that_field(argument: str, text: str, cli: Run) -> None:
+def test_a_field_path_behind_the_topic_shows_that_field(argument, text, cli):
     assert output(cli("echo", argument, "-1")) == f"{text}\n---\n"
 
 
-def test_several_fields_are_shown_by_their_paths(cli: Run) -> None:
+def test_several_fields_are_shown_by_their_paths(cli):
     fields = ("--field", "header.stamp.sec", "--field", "/ranges[0:2]")
     shown = "header.stamp.sec: 3\nranges[0:2]: [0.0, 1.0]\n---\n"
     assert output(cli("echo", "/scan", "-1", *fields)) == shown
@@ -83,20 +76,20 @@ def test_several_fields_are_shown_by_their_paths(cli: Run) -> None:
     assert record == {"header.stamp.sec": 3, "ranges[0:2]": [0.0, 1.0]}
 
 
-def test_field_goes_on_where_the_topics_path_ends(cli: Run) -> None:
+def test_field_goes_on_where_the_topics_path_ends(cli):
     assert output(cli("echo", "/scan/header", "--field", "stamp.sec", "-1")) == "3\n---\n"
 
 
-def test_json_of_a_field_is_that_field(cli: Run) -> None:
+def test_json_of_a_field_is_that_field(cli):
     assert output(cli("echo", "/scan/ranges[3:]", "-1", "--json")) == "[3.0,4.0]\n"
 
 
-def test_filter_shows_the_messages_that_meet_it(cli: Run) -> None:
+def test_filter_shows_the_messages_that_meet_it(cli):
     result = cli("echo", "NUMBER/data", "--filter", "m.data % 3 == 1 and data < 5", "-n", "4")
     assert set(output(result).split()) == {"1", "4", "---"}
 
 
-def test_timeout_is_for_messages_that_meet_the_filter(cli: Run) -> None:
+def test_timeout_is_for_messages_that_meet_the_filter(cli):
     result = cli("echo", "NUMBER", "--filter", "data > 99", "--timeout", "500ms")
     assert (result.code, result.out) == (4, "")
     assert_says(result.err, "lcmtools echo: nothing", "NUMBER", "0.5 s; ")
@@ -133,15 +126,13 @@ def test_timeout_is_for_messages_that_meet_the_filter(cli: Run) -> None:
         ),
     ],
 )
-def test_a_mistake_ends_echo_with_one_line_and_exit_code_2(
-    arguments: list[str], error: str, cli: Run
-) -> None:
+def test_a_mistake_ends_echo_with_one_line_and_exit_code_2(arguments, error, cli):
     result = cli("echo", *arguments)
     assert (result.code, result.out) == (2, "")
     assert result.err == f"lcmtools echo: {error}\n"
 
 
-def test_noarr_and_nostr_name_what_they_hide(cli: Run) -> None:
+def test_noarr_and_nostr_name_what_they_hide(cli):
     shown = output(cli("echo", "/scan", "-1", "--noarr", "--nostr")).splitlines()
     assert 'ranges: "<array type: float32, length: 5>"' in shown
     assert '  frame_id: "<string length: 12>"' in shown
@@ -152,7 +143,7 @@ def test_noarr_and_nostr_name_what_they_hide(cli: Run) -> None:
     }
 
 
-def test_csv_has_rostopics_columns_and_the_headers_stamp(cli: Run) -> None:
+def test_csv_has_rostopics_columns_and_the_headers_stamp(cli):
     first, second, third = csv.reader(output(cli("echo", "/scan", "-n", "2", "-p")).splitlines())
     header = ["field.header.seq", "field.header.stamp", "field.header.frame_id"]
     assert first[:4] == ["%time", *header]
@@ -161,7 +152,7 @@ def test_csv_has_rostopics_columns_and_the_headers_stamp(cli: Run) -> None:
     assert second == third
 
 
-def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(cli: Run) -> None:
+def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(cli):
     head, row = output(cli("echo", "/chatter/data", "-1", "--csv")).split("\n", 1)
     assert head == "%time,field"
     time, text = row.split(",", 1)
@@ -169,18 +160,18 @@ def test_csv_quotes_text_and_takes_the_arrival_where_there_is_no_header(cli: Run
     assert text == '"a ""word"",\nor two"\n'
 
 
-def test_flow_style_is_one_line_a_message(cli: Run) -> None:
+def test_flow_style_is_one_line_a_message(cli):
     shown = output(cli("echo", "/scan/header", "-1", "--flow-style"))
     assert shown == '{seq: 0, stamp: {sec: 3, nsec: 5}, frame_id: "laser, front"}\n---\n'
 
 
-def test_raw_is_the_payload_in_hexadecimal(cli: Run) -> None:
+def test_raw_is_the_payload_in_hexadecimal(cli):
     assert output(cli("echo", "NOISE", "-1", "--raw")) == f"{bytes(range(40)).hex()}\n"
     record = json.loads(output(cli("echo", "NOISE", "-1", "--raw", "--json")))
     assert record == {"bytes": 40, "data": bytes(range(40)).hex()}
 
 
-def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(cli: Run) -> None:
+def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(cli):
     result = cli("echo", "NOISE/x", "--timeout", "400ms")
     assert (result.code, result.out) == (4, "")
     first, second = result.err.splitlines()
@@ -188,9 +179,7 @@ def test_fields_of_an_unknown_type_are_said_to_be_unknown_once(cli: Run) -> None
     assert_says(second, "lcmtools echo: nothing", "NOISE")
 
 
-def test_a_topic_that_comes_later_is_told_from_its_path(
-    start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_topic_that_comes_later_is_told_from_its_path(start, lcmtools_path):
     echo = start(lcmtools_path, "echo", "/later/topic/data", "-1")
     echo.wait_for("no message on /later/topic/data yet")
     start(lcmtools_path, "pub", "-r", "20", "/later/topic", "std_msgs/Int32", "7")

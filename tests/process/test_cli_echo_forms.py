@@ -6,21 +6,15 @@ import os
 import pty
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
 import yaml
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Int32, String
-
-Run = Callable[..., Result]
 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "joints")
 
@@ -46,19 +40,19 @@ while True:
 
 
 @pytest.fixture(scope="module")
-def joints(module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> None:
+def joints(module_start, tmp_path_factory):
     """JOINTS, stamped two and a half seconds before they are sent."""
     script = tmp_path_factory.mktemp("joints") / "joints.py"
     script.write_text(_JOINTS)
     module_start(sys.executable, str(script)).wait_for("ready")
 
 
-def output(result: Result) -> str:
+def output(result):
     assert (result.code, result.err) == (0, "")
     return result.out
 
 
-def test_offset_shows_stamps_relative_to_the_arrival(cli: Run) -> None:
+def test_offset_shows_stamps_relative_to_the_arrival(cli):
     stamp = yaml.safe_load(output(cli("echo", "JOINTS/header/stamp", "-1", "--offset"))[:-4])
     assert stamp["sec"] == -3
     assert 0 <= stamp["nsec"] <= 500_000_000
@@ -67,7 +61,7 @@ def test_offset_shows_stamps_relative_to_the_arrival(cli: Run) -> None:
     assert -3_000_000_000 < int(time) == int(cell) <= -2_500_000_000
 
 
-def test_truncate_length_cuts_arrays_and_strings(cli: Run) -> None:
+def test_truncate_length_cuts_arrays_and_strings(cli):
     shown = output(cli("echo", "JOINTS", "-1", "--truncate-length", "2")).splitlines()
     assert '  frame_id: "a ..."' in shown
     assert "position: [0.123456789, -2.0, ...]" in shown
@@ -79,9 +73,7 @@ def test_truncate_length_cuts_arrays_and_strings(cli: Run) -> None:
 
 
 @pytest.mark.usefixtures("long_scan")
-def test_long_arrays_are_shortened_on_a_terminal_only(
-    on_terminal: Callable[..., str], cli: Run
-) -> None:
+def test_long_arrays_are_shortened_on_a_terminal_only(on_terminal, cli):
     words = ("echo", "/long_scan/ranges", "-1", "--timeout", "20s")
     shown = on_terminal(*words).splitlines()[0]
     assert shown.startswith("[0.0, ")
@@ -97,38 +89,38 @@ def test_long_arrays_are_shortened_on_a_terminal_only(
 
 
 @pytest.fixture(scope="module")
-def long_scan(module_start: Callable[..., Any]) -> None:
+def long_scan(module_start):
     scan = f"{{ranges: {[0.0] * 301}}}"
     program = (sys.executable, "-m", "lcmtools", "pub", "-r", "20", "/long_scan")
     module_start(*program, "sensor_msgs/LaserScan", scan).wait_for("publishing")
 
 
-def test_nothing_is_cut_without_it(cli: Run) -> None:
+def test_nothing_is_cut_without_it(cli):
     for option in ([], ["--full-length"], ["-f"]):
         assert "..." not in output(cli("echo", "JOINTS", "-1", *option))
 
 
-def test_width_is_that_of_rostopic(cli: Run) -> None:
+def test_width_is_that_of_rostopic(cli):
     assert output(cli("echo", "JOINTS/position", "-1", "-w", "5")) == (
         "[0.123, -2.00, 3.000]\n---\n"
     )
 
 
-def test_csv_leaves_out_what_is_hidden(cli: Run) -> None:
+def test_csv_leaves_out_what_is_hidden(cli):
     shown = output(cli("echo", "JOINTS", "-1", "-p", "--noarr", "--nostr"))
     head, row = csv.reader(shown.splitlines())
     assert head == ["%time", "field.header.seq", "field.header.stamp"]
     assert row[0] == row[2]
 
 
-def test_times_may_be_named_as_in_ros_1(cli: Run) -> None:
+def test_times_may_be_named_as_in_ros_1(cli):
     result = cli(
         *("echo", "JOINTS/header/stamp/secs", "-1", "--filter", "m.header.stamp.nsecs >= 0")
     )
     assert int(output(result).split()[0]) > 1_600_000_000
 
 
-def test_clear_clears_only_a_screen(cli: Run, lcmtools_path: str) -> None:
+def test_clear_clears_only_a_screen(cli, lcmtools_path):
     command = ["echo", "JOINTS/position", "-1", "--clear"]
     assert output(cli(*command)).startswith("[")
     assert _on_terminal(lcmtools_path, command, "xterm").startswith("\033[2J\033[;H[")
@@ -136,7 +128,7 @@ def test_clear_clears_only_a_screen(cli: Run, lcmtools_path: str) -> None:
     assert _on_terminal(lcmtools_path, [*command, "--json"], "xterm").startswith("[")
 
 
-def _on_terminal(path: str, arguments: list[str], terminal: str) -> str:
+def _on_terminal(path, arguments, terminal):
     """The output of a command at a terminal."""
     ours, its = pty.openpty()
     try:
@@ -149,7 +141,7 @@ def _on_terminal(path: str, arguments: list[str], terminal: str) -> str:
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> str:
+def log(tmp_path):
     """A log of numbers, texts and stamped messages, an hour long, with damage in between."""
     path = tmp_path / "a b?.log"
     events = lcm.EventLog(str(path), "w", overwrite=True)
@@ -163,19 +155,19 @@ def log(tmp_path: Path) -> str:
     return str(path)
 
 
-def test_a_log_is_read_at_once(log: str, cli: Run) -> None:
+def test_a_log_is_read_at_once(log, cli):
     assert output(cli("echo", "-b", log, "number")) == (
         "data: 0\n---\ndata: 1\n---\ndata: 2\n---\n"
     )
     assert output(cli("echo", "--bag", log, "/text/data", "-n", "1")) == '"text 0"\n---\n'
 
 
-def test_csv_of_a_log_has_the_times_of_recording(log: str, cli: Run) -> None:
+def test_csv_of_a_log_has_the_times_of_recording(log, cli):
     rows = output(cli("echo", "-b", log, "/number", "-p")).splitlines()
     assert rows == ["%time,field.data", "1000000000,0", "1801000000000,1", "3601000000000,2"]
 
 
-def test_all_topics_of_a_log(log: str, cli: Run) -> None:
+def test_all_topics_of_a_log(log, cli):
     lines = output(cli("echo", "-b", log, "-a", "--json", "--noarr")).splitlines()
     assert json.loads(lines[1]) == {"topic": "/text", "message": {"data": "text 0"}}
     assert [json.loads(line)["topic"] for line in lines] == ["/number", "/text", "/joints"] * 3

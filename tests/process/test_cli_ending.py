@@ -6,13 +6,10 @@ import subprocess
 import sys
 import sysconfig
 import threading
-from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
@@ -24,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("use_module_bus")
 class Ending:
     """The end of a process."""
 
-    def __init__(self, process: subprocess.Popen[str], number: int, watch: Any) -> None:
+    def __init__(self, process, number, watch):
         process.send_signal(number)
         self.seconds = watch.until_end()
         self.out, self.error = process.communicate(timeout=10)
@@ -32,12 +29,12 @@ class Ending:
 
 
 @pytest.fixture
-def begin(lcmtools_path: str) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+def begin(lcmtools_path):
     """``begin("echo", "a")``: a command whose output and errors are told apart."""
-    running: list[subprocess.Popen[str]] = []
+    running = []
 
-    def run(*arguments: str, **options: Any) -> subprocess.Popen[str]:
-        command: Sequence[str] = [lcmtools_path, *arguments]
+    def run(*arguments, **options):
+        command = [lcmtools_path, *arguments]
         pipe = subprocess.PIPE
         running.append(
             subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True, **options)
@@ -50,16 +47,16 @@ def begin(lcmtools_path: str) -> Iterator[Callable[..., subprocess.Popen[str]]]:
         process.communicate()
 
 
-def _path() -> str:
+def _path():
     """The PATH with lcmtools on it."""
     return f"{sysconfig.get_path('scripts')}:{os.environ['PATH']}"
 
 
 @pytest.fixture
-def shell() -> Callable[..., subprocess.CompletedProcess[str]]:
+def shell():
     """Runs a line of bash with lcmtools on the PATH."""
 
-    def run(line: str) -> subprocess.CompletedProcess[str]:
+    def run(line):
         return subprocess.run(
             ["bash", "-c", line],  # noqa: S607 - bash is where the system has it
             env={**os.environ, "PATH": _path()},
@@ -73,17 +70,17 @@ def shell() -> Callable[..., subprocess.CompletedProcess[str]]:
 
 
 @pytest.fixture(scope="module")
-def talker(module_start: Callable[..., Any], lcmtools_path: str) -> Any:
+def talker(module_start, lcmtools_path):
     """A talker on the module's bus."""
     talker = module_start(lcmtools_path, "run", "talker")
     talker.wait_for("hello world")
     return talker
 
 
-def is_on_the_bus(process: subprocess.Popen[str]) -> Callable[[], bool]:
+def is_on_the_bus(process):
     """Return whether a process has made a socket, and so is past its command line."""
 
-    def look() -> bool:
+    def look():
         with suppress(OSError):  # a file that was closed meanwhile
             folder = Path(f"/proc/{process.pid}/fd")
             return any("socket:" in str(path.readlink()) for path in folder.iterdir())
@@ -109,12 +106,8 @@ def is_on_the_bus(process: subprocess.Popen[str]) -> Callable[[], bool]:
     ids=" ".join,
 )
 def test_command_ends_at_once_with_the_signals_code_and_without_a_word(
-    number: signal.Signals,
-    arguments: list[str],
-    begin: Callable[..., subprocess.Popen[str]],
-    wait_until: Callable[..., None],
-    stopwatch: Callable[..., Any],
-) -> None:
+    number, arguments, begin, wait_until, stopwatch
+):
     process = begin(*arguments)
     wait_until(is_on_the_bus(process))
     ending = Ending(process, number, stopwatch(process.pid))
@@ -127,7 +120,7 @@ def test_command_ends_at_once_with_the_signals_code_and_without_a_word(
     }
 
 
-def _run_program(lines: str) -> tuple[int, bytes, bytes]:
+def _run_program(lines):
     """Run ``lcmtools config`` after these lines; return its exit code, output and errors."""
     begin = "import signal, sys\nfrom lcmtools.__main__ import run\nsys.argv[1:] = ['config']\n"
     program = [sys.executable, "-c", f"{begin}{lines}\nrun()"]
@@ -137,9 +130,7 @@ def _run_program(lines: str) -> tuple[int, bytes, bytes]:
 
 @pytest.mark.parametrize("number", [*SIGNALS, signal.SIGHUP])
 @pytest.mark.parametrize("place", ["provide_user_types", "set_supply"])
-def test_signal_just_before_or_after_a_command_has_its_code_too(
-    number: signal.Signals, place: str
-) -> None:
+def test_signal_just_before_or_after_a_command_has_its_code_too(number, place):
     lines = f"""
 from lcmtools.cli import main
 main.root.invoke = lambda _: 0
@@ -147,7 +138,7 @@ main.{place} = lambda *_: signal.raise_signal({number:d})"""
     assert _run_program(lines) == (128 + number, b"", b"")
 
 
-def test_ctrl_c_that_python_ignores_while_the_command_line_is_imported_ends_it() -> None:
+def test_ctrl_c_that_python_ignores_while_the_command_line_is_imported_ends_it():
     """Python has callbacks in each import, and drops what they raise."""
     lines = """
 class Finder:
@@ -165,11 +156,8 @@ sys.meta_path.insert(0, Finder())"""
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
-    number: signal.Signals,
-    begin: Callable[..., subprocess.Popen[str]],
-    wait_until: Callable[..., None],
-    stopwatch: Callable[..., Any],
-) -> None:
+    number, begin, wait_until, stopwatch
+):
     process = begin("pub", "-f", "-", "/a", "std_msgs/String")
     wait_until(is_on_the_bus(process))
     ending = Ending(process, number, stopwatch(process.pid))
@@ -181,14 +169,7 @@ def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
 
 @pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize("node", NODES)
-def test_node_ends_within_a_second_quietly_with_0(
-    number: signal.Signals,
-    node: str,
-    begin: Callable[..., subprocess.Popen[str]],
-    cli: Callable[..., Result],
-    wait_until: Callable[..., None],
-    stopwatch: Callable[..., Any],
-) -> None:
+def test_node_ends_within_a_second_quietly_with_0(number, node, begin, cli, wait_until, stopwatch):
     process = begin("run", node, "__ns:=/ending")
     wait_until(lambda: f"/ending/{node}" in cli("node", "list").out)
     ending = Ending(process, number, stopwatch(process.pid))
@@ -199,12 +180,7 @@ def test_node_ends_within_a_second_quietly_with_0(
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(
-    number: signal.Signals,
-    begin: Callable[..., subprocess.Popen[str]],
-    tmp_path: Path,
-    stopwatch: Callable[..., Any],
-) -> None:
+def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(number, begin, tmp_path, stopwatch):
     slow = tmp_path / "lcm"  # takes the place of the real one, and never ends to be imported
     slow.mkdir()
     (slow / "__init__.py").write_text("import sys, time\nprint('hi', flush=True)\ntime.sleep(60)")
@@ -217,9 +193,7 @@ def test_node_that_is_asked_to_end_while_it_starts_ends_with_0(
 
 
 @pytest.mark.parametrize("command", ["run talker __ns:=/ending", "echo /nothing", "hz /nothing"])
-def test_sigint_ends_what_a_shell_script_has_started_in_the_background(
-    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_sigint_ends_what_a_shell_script_has_started_in_the_background(command, shell):
     """There the shell has SIGINT ignored."""
     result = shell(
         f"lcmtools {command} > /dev/null 2>&1 & pid=$!\n"
@@ -248,9 +222,7 @@ def test_sigint_ends_what_a_shell_script_has_started_in_the_background(
         "--help",
     ],
 )
-def test_reader_who_has_had_enough_is_no_fault(
-    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_reader_who_has_had_enough_is_no_fault(command, shell):
     result = shell(f"lcmtools {command} | head -1; echo ${{PIPESTATUS[0]}}")
     assert result.stdout.splitlines()[1:] == ["0"]
     assert set(result.stderr.splitlines()) <= {"subscribed to [/chatter]"}
@@ -265,17 +237,13 @@ def test_reader_who_has_had_enough_is_no_fault(
         "wtf --watch --rule unknown-type | head -1",
     ],
 )
-def test_reader_who_leaves_ends_what_has_nothing_more_to_say(
-    pipe: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_reader_who_leaves_ends_what_has_nothing_more_to_say(pipe, shell):
     result = shell(f"lcmtools {pipe}; echo ${{PIPESTATUS[0]}}")
     assert result.stdout.splitlines()[-1] == "0"
     assert "Traceback" not in result.stderr
 
 
-def test_who_waits_for_the_readers_end_ends_with_the_command(
-    cli: Callable[..., Any], wait_until: Callable[..., None]
-) -> None:
+def test_who_waits_for_the_readers_end_ends_with_the_command(cli, wait_until):
     before = threading.active_count()
     assert cli("echo", "silent", "--timeout", "0.1").code == 4
     wait_until(lambda: threading.active_count() <= before)
@@ -286,9 +254,7 @@ def test_who_waits_for_the_readers_end_ends_with_the_command(
     "command",
     ["echo chatter", "hz chatter", "list", "info chatter", "node ping talker", "msg list", "wtf"],
 )
-def test_full_disk_is_one_line_and_the_exit_code_of_a_failure(
-    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_full_disk_is_one_line_and_the_exit_code_of_a_failure(command, shell):
     result = shell(f"lcmtools {command} > /dev/full")
     name = command.removesuffix(" chatter").removesuffix(" talker")
     assert result.returncode == (64 if command == "wtf" else 1)  # wtf's 1 means warnings
@@ -298,18 +264,14 @@ def test_full_disk_is_one_line_and_the_exit_code_of_a_failure(
 
 
 @pytest.mark.parametrize("command", ["--help", "--version", "echo --help"])
-def test_help_on_a_full_disk_is_one_line_and_exit_code_1(
-    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_help_on_a_full_disk_is_one_line_and_exit_code_1(command, shell):
     result = shell(f"lcmtools {command} > /dev/full")
     assert result.returncode == 1
     assert result.stderr.count("\n") == 1
     assert result.stderr.endswith("No space left on device\n")
 
 
-def test_node_goes_on_where_its_log_cannot_be_written(
-    start: Callable[..., Any], cli: Callable[..., Result]
-) -> None:
+def test_node_goes_on_where_its_log_cannot_be_written(start, cli):
     for number, where in enumerate(("2> /dev/full", "2>&-")):
         command = f"exec lcmtools run talker __ns:=/full{number} {where}"
         start("bash", "-c", command, PATH=_path())
@@ -318,26 +280,20 @@ def test_node_goes_on_where_its_log_cannot_be_written(
 
 
 @pytest.mark.parametrize("command", ["list", "bogus", "msg show Nope"])
-def test_exit_code_is_the_same_where_nothing_can_be_said(
-    command: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_exit_code_is_the_same_where_nothing_can_be_said(command, shell):
     code = 0 if command == "list" else 2
     assert shell(f"lcmtools {command} 2> /dev/full").returncode == code
     assert shell(f"lcmtools {command} 0<&- 1>&- 2>&-").returncode == code
 
 
 @pytest.mark.parametrize("stream", ["0", "1", "2"])
-def test_closed_stream_is_no_fault(
-    stream: str, shell: Callable[..., subprocess.CompletedProcess[str]]
-) -> None:
+def test_closed_stream_is_no_fault(stream, shell):
     result = shell(f"lcmtools list -v /nothing {stream}>&-")
     assert result.returncode == 0
     assert "Traceback" not in result.stderr
 
 
-def test_data_goes_to_standard_output_and_talk_to_standard_error(
-    cli: Callable[..., Result], bus_url: str
-) -> None:
+def test_data_goes_to_standard_output_and_talk_to_standard_error(cli, bus_url):
     result = cli("list", env={"LCM_DEFAULT_URL": bus_url})
     assert (result.code, result.out) == (0, "")
     assert result.err == f"no topics on {bus_url}\n"
@@ -346,17 +302,13 @@ def test_data_goes_to_standard_output_and_talk_to_standard_error(
     assert result.err == f"no nodes on {bus_url}\n"
 
 
-def test_a_deleted_working_directory_is_told_with_a_remedy(
-    shell: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
-) -> None:
+def test_a_deleted_working_directory_is_told_with_a_remedy(shell, tmp_path):
     result = shell(f"mkdir {tmp_path}/a; cd {tmp_path}/a; rmdir {tmp_path}/a; lcmtools run talker")
     told = "lcmtools run: the working directory has been deleted; go to another one: cd\n"
     assert (result.returncode, result.stderr) == (1, told)
 
 
-def test_an_lcm_package_without_its_library_is_told_with_a_remedy(
-    lcmtools_process: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path
-) -> None:
+def test_an_lcm_package_without_its_library_is_told_with_a_remedy(lcmtools_process, tmp_path):
     (tmp_path / "lcm").mkdir()
     (tmp_path / "lcm" / "__init__.py").write_text(
         "try:\n    raise ImportError('libglib-2.0.so.0: cannot open shared object file')\n"

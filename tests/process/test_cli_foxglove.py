@@ -5,14 +5,12 @@ import signal
 import socket
 import struct
 import sys
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pytest
-from fixtures.programs import Program
 from fixtures.says import assert_line
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -22,8 +20,6 @@ from lcmtools.foxglove.schemas import Schemas
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.std_msgs import String
 
-Start = Callable[..., Any]
-
 
 @dataclass
 class Client:
@@ -32,11 +28,11 @@ class Client:
     socket: ClientConnection
     heard: list[dict[str, Any]] = field(default_factory=list)
 
-    def send(self, op: str, **values: object) -> None:
+    def send(self, op, **values):
         """Send an operation."""
         self.socket.send(json.dumps({"op": op, **values}))
 
-    def wait(self, found: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
+    def wait(self, found):
         """Return the first that fits, of what has come and what comes."""
         while True:
             for one in self.heard:
@@ -44,11 +40,11 @@ class Client:
                     return one
             self.heard.append(_read(self.socket.recv(timeout=40)))
 
-    def subscribe(self, topic: str) -> dict[str, Any]:
+    def subscribe(self, topic):
         """Subscribe to a channel as soon as it is offered; return its description."""
-        channel: dict[str, Any] = {}
+        channel = {}
 
-        def offers(one: dict[str, Any]) -> bool:
+        def offers(one):
             offered = one.get("channels", []) if one.get("op") == "advertise" else []
             channel.update(next((o for o in offered if o["topic"] == topic), {}))
             return bool(channel)
@@ -58,13 +54,13 @@ class Client:
         self.send("subscribe", subscriptions=[wish])
         return channel
 
-    def message(self, channel: dict[str, Any]) -> bytes:
+    def message(self, channel):
         """Return the payload of the first message of a channel."""
         found = self.wait(lambda one: one.get("channel") == channel["id"])
-        payload: bytes = found["payload"]
+        payload = found["payload"]
         return payload
 
-    def publish(self, topic: str, message: object) -> None:
+    def publish(self, topic, message):
         """Publish a Twist as JSON."""
         described = {
             "id": 1,
@@ -76,19 +72,19 @@ class Client:
         self.socket.send(struct.pack("<BI", 1, 1) + json.dumps(message).encode())
 
 
-def _read(frame: str | bytes) -> dict[str, Any]:
+def _read(frame):
     if isinstance(frame, str):
-        found: dict[str, Any] = json.loads(frame)
+        found = json.loads(frame)
         return found
     kind, channel, _ = struct.unpack_from("<BIQ", frame)
     return {"channel": channel, "payload": frame[13:]} if kind == 1 else {}
 
 
 @pytest.fixture
-def serve(start: Start, bus_url: str, lcmtools_path: str) -> Callable[..., tuple[Program, str]]:
+def serve(start, bus_url, lcmtools_path):
     """``serve("--allow-publish")``: the command, and its address."""
 
-    def run(*words: str) -> tuple[Program, str]:
+    def run(*words):
         program = start(lcmtools_path, "foxglove", "--port", "0", *words, LCM_DEFAULT_URL=bus_url)
         said = program.wait_for("in Foxglove")
         return program, said.partition(" connection to ")[2].split()[0]
@@ -97,19 +93,17 @@ def serve(start: Start, bus_url: str, lcmtools_path: str) -> Callable[..., tuple
 
 
 @contextmanager
-def _client(url: str, origin: Any = None) -> Iterator[Client]:
-    protocols: Any = ["foxglove.sdk.v1"]
+def _client(url, origin=None):
+    protocols = ["foxglove.sdk.v1"]
     with connect(url, origin=origin, subprotocols=protocols) as connection:
         yield Client(connection)
 
 
-def _of_ros(payload: bytes, cls: Any) -> Any:
+def _of_ros(payload, cls):
     return Schemas().read(cls, "ros1", payload)
 
 
-def test_a_latched_message_comes_to_each_client(
-    serve: Start, start_node: Start, wait_until: Start
-) -> None:
+def test_a_latched_message_comes_to_each_client(serve, start_node, wait_until):
     node = start_node(lambda: Node("mapper")).node
     publisher = node.create_publisher(String, "/map_name")
     publisher.is_latched = True
@@ -125,9 +119,7 @@ def test_a_latched_message_comes_to_each_client(
             assert _of_ros(client.message(channel), String).data == "cellar"
 
 
-def test_the_graph_is_drawn_and_excluded_topics_are_not_offered(
-    serve: Start, start_node: Start
-) -> None:
+def test_the_graph_is_drawn_and_excluded_topics_are_not_offered(serve, start_node):
     node = start_node(lambda: Node("driver")).node
     for topic in ("/cmd", "/secret/cmd"):
         node.create_publisher(Twist, topic)
@@ -144,10 +136,8 @@ def test_the_graph_is_drawn_and_excluded_topics_are_not_offered(
     assert len(program.lines) == 1, program.output  # it has said its address
 
 
-def test_a_client_publishes_only_where_it_may(
-    serve: Start, start_node: Start, wait_until: Start
-) -> None:
-    got: list[tuple[str, float]] = []
+def test_a_client_publishes_only_where_it_may(serve, start_node, wait_until):
+    got = []
     node = start_node(lambda: Node("robot")).node
     for topic in ("/cmd", "/other"):
         node.create_subscription(
@@ -167,7 +157,7 @@ def test_a_client_publishes_only_where_it_may(
     assert got == [("/cmd", 2.0)]
 
 
-def test_nobody_publishes_by_default(serve: Start) -> None:
+def test_nobody_publishes_by_default(serve):
     _, url = serve()
     with _client(url) as client:
         assert "clientPublish" not in client.wait(lambda one: "capabilities" in one)["capabilities"]
@@ -180,7 +170,7 @@ def test_nobody_publishes_by_default(serve: Start) -> None:
     "origin",
     ["https://evil.example", "null", "file://", "http://127.0.0.1:8765", "http://localhost"],
 )
-def test_a_foreign_page_is_refused_until_it_is_allowed(serve: Start, origin: str) -> None:
+def test_a_foreign_page_is_refused_until_it_is_allowed(serve, origin):
     program, url = serve("--allow-origin", "https://app.foxglove.dev")
     for _ in range(2):
         with pytest.raises(InvalidStatus) as caught, _client(url, origin):
@@ -193,7 +183,7 @@ def test_a_foreign_page_is_refused_until_it_is_allowed(serve: Start, origin: str
         assert client.wait(lambda one: one.get("op") == "serverInfo")
 
 
-def test_the_origins_of_a_page_and_of_no_page_are_let_in(serve: Start) -> None:
+def test_the_origins_of_a_page_and_of_no_page_are_let_in(serve):
     _, url = serve(
         "--allow-origin", "https://APP.foxglove.dev/", "--allow-origin", "http://[::1]:8080"
     )
@@ -212,7 +202,7 @@ def test_the_origins_of_a_page_and_of_no_page_are_let_in(serve: Start) -> None:
         b"GET / HTTP/1.1\r\nOrigin: \x1b[2J$(reboot)\r\n\r\n",
     ],
 )
-def test_an_origin_in_another_form_is_refused_too(serve: Start, head: bytes) -> None:
+def test_an_origin_in_another_form_is_refused_too(serve, head):
     program, url = serve("--allow-origin", "https://app.foxglove.dev")
     with socket.create_connection(("127.0.0.1", int(url.rpartition(":")[2]))) as raw:
         raw.sendall(head)
@@ -221,7 +211,7 @@ def test_an_origin_in_another_form_is_refused_too(serve: Start, head: bytes) -> 
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="/proc lists the sockets of a process")
-def test_no_page_can_guess_the_address_behind_the_gate(serve: Start) -> None:
+def test_no_page_can_guess_the_address_behind_the_gate(serve):
     program, url = serve()
     folder = Path(f"/proc/{program.pid}")
     inodes = {str(one.readlink())[8:-1] for one in (folder / "fd").iterdir()}
@@ -235,7 +225,7 @@ def test_no_page_can_guess_the_address_behind_the_gate(serve: Start) -> None:
     assert url.startswith("ws://127.0.0.1:")
 
 
-def test_connections_end_with_the_command(serve: Start) -> None:
+def test_connections_end_with_the_command(serve):
     program, url = serve()
     with _client(url) as client:
         client.wait(lambda one: one.get("op") == "serverInfo")
@@ -245,7 +235,7 @@ def test_connections_end_with_the_command(serve: Start) -> None:
     assert program.wait() == 128 + signal.SIGINT
 
 
-def test_a_script_reads_the_address(start: Start, bus_url: str, lcmtools_path: str) -> None:
+def test_a_script_reads_the_address(start, bus_url, lcmtools_path):
     words = ("foxglove", "--port", "0", "--json")
     program = start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
     program.wait_for("}")
@@ -253,7 +243,7 @@ def test_a_script_reads_the_address(start: Start, bus_url: str, lcmtools_path: s
         assert client.wait(lambda one: one.get("op") == "serverInfo")
 
 
-def test_a_port_that_is_taken_is_an_error(serve: Start, cli: Start, bus_url: str) -> None:
+def test_a_port_that_is_taken_is_an_error(serve, cli, bus_url):
     _, url = serve()
     port = url.rpartition(":")[2]
     result = cli("foxglove", "--port", port, env={"LCM_DEFAULT_URL": bus_url})
@@ -262,9 +252,7 @@ def test_a_port_that_is_taken_is_an_error(serve: Start, cli: Start, bus_url: str
 
 
 @pytest.mark.parametrize("missing", ["foxglove", "rosbags.typesys"])
-def test_a_missing_extra_is_named(
-    cli: Start, bus_url: str, monkeypatch: pytest.MonkeyPatch, missing: str
-) -> None:
+def test_a_missing_extra_is_named(cli, bus_url, monkeypatch, missing):
     monkeypatch.setitem(sys.modules, missing, None)
     result = cli("foxglove", env={"LCM_DEFAULT_URL": bus_url})
     assert (result.code, result.err.count("\n")) == (3, 1)

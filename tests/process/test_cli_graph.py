@@ -5,17 +5,12 @@ import re
 import signal
 import socket
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line, assert_says
 
 from lcmtools.wire.datagram import short_message
-
-Run = Callable[..., Result]
 
 _LISTENER = """
 import lcm
@@ -39,9 +34,7 @@ lcmtools.spin(node)
 
 
 @pytest.fixture(scope="module")
-def programs(
-    module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, Any]:
+def programs(module_start, lcmtools_path, tmp_path_factory):
     """A talker, a listener in a namespace, a server, lcm-source, and a script that only listens."""
     import sysconfig
 
@@ -62,13 +55,13 @@ def programs(
 
 
 @pytest.fixture
-def on_bus(use_module_bus: None, programs: dict[str, Any]) -> dict[str, Any]:
+def on_bus(use_module_bus, programs):
     """The programs, with the commands looking at their bus."""
     del use_module_bus
     return programs
 
 
-def names_of(document: dict[str, Any]) -> dict[str, str]:
+def names_of(document):
     """The vertex of each id in JSON."""
     vertices = [*document["nodes"], *document["topics"], *document["services"]]
     return {
@@ -77,13 +70,13 @@ def names_of(document: dict[str, Any]) -> dict[str, str]:
     }
 
 
-def edges_of(document: dict[str, Any]) -> set[tuple[str, str, str]]:
+def edges_of(document):
     """The edges in JSON, by names."""
     names = names_of(document)
     return {(names[edge["from"]], edge["kind"], names[edge["to"]]) for edge in document["edges"]}
 
 
-def test_text_shows_who_feeds_whom(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_text_shows_who_feeds_whom(cli, on_bus):
     result = cli("graph", env={"LC_ALL": "C.UTF-8"})
     source, plain = on_bus["source"].pid, on_bus["plain"].pid
     assert result.code == 0
@@ -98,13 +91,13 @@ def test_text_shows_who_feeds_whom(cli: Run, on_bus: dict[str, Any]) -> None:
     assert_line(result.err, "not drawn: ", *parts)
 
 
-def test_in_the_c_locale_text_is_ascii(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_in_the_c_locale_text_is_ascii(cli, on_bus):
     del on_bus
     text = cli("graph", "/talker", env={"LC_ALL": "C"}).out
     assert text == "/talker\n`- /chatter [std_msgs/String]\n   `> /r/listener\n"
 
 
-def test_json_has_nodes_programs_and_edges(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_json_has_nodes_programs_and_edges(cli, on_bus):
     document = json.loads(cli("graph", "--json").out)
     source, plain = str(on_bus["source"].pid), str(on_bus["plain"].pid)
     assert edges_of(document) == {
@@ -117,9 +110,7 @@ def test_json_has_nodes_programs_and_edges(cli: Run, on_bus: dict[str, Any]) -> 
     assert (nodes[int(plain)]["observed"], nodes[int(plain)]["listens"]) == (True, True)
 
 
-def test_leaf_topics_and_services_are_shown_where_asked_for(
-    cli: Run, on_bus: dict[str, Any]
-) -> None:
+def test_leaf_topics_and_services_are_shown_where_asked_for(cli, on_bus):
     del on_bus
     document = json.loads(cli("graph", "--json", "--leaf-topics", "--services", "/server").out)
     assert edges_of(document) == {
@@ -128,7 +119,7 @@ def test_leaf_topics_and_services_are_shown_where_asked_for(
     }
 
 
-def test_all_leaves_nothing_out(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_all_leaves_nothing_out(cli, on_bus):
     del on_bus
     result = cli("graph", "-a")
     assert "/rosout" in result.out
@@ -136,9 +127,7 @@ def test_all_leaves_nothing_out(cli: Run, on_bus: dict[str, Any]) -> None:
     assert result.err == ""
 
 
-def test_a_looking_command_is_shown_by_tools(
-    cli: Run, on_bus: dict[str, Any], module_start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_a_looking_command_is_shown_by_tools(cli, on_bus, module_start, lcmtools_path):
     del on_bus
     echo = module_start(lcmtools_path, "echo", "/chatter")
     echo.wait_for("data:")
@@ -150,23 +139,21 @@ def test_a_looking_command_is_shown_by_tools(
         echo.end()
 
 
-def test_nodes_only_connects_nodes(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_nodes_only_connects_nodes(cli, on_bus):
     del on_bus
     document = json.loads(cli("graph", "--nodes-only", "--json", "/r").out)
     assert edges_of(document) == {("/talker", "feeds", "/r/listener")}
     assert document["edges"][0]["topics"] == ["/chatter"]
 
 
-def test_rates_are_measured(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_rates_are_measured(cli, on_bus):
     del on_bus
     document = json.loads(cli("graph", "--hz", "--json", "EXAMPLE").out)
     assert document["topics"][0]["rate"] > 0
     assert document["edges"][0]["rate"] == document["topics"][0]["rate"]
 
 
-def test_a_file_has_the_format_that_its_name_tells(
-    cli: Run, on_bus: dict[str, Any], tmp_path: Path
-) -> None:
+def test_a_file_has_the_format_that_its_name_tells(cli, on_bus, tmp_path):
     del on_bus
     file = tmp_path / "graph.gv"
     result = cli("graph", "--group", "-o", str(file))
@@ -180,7 +167,7 @@ def test_a_file_has_the_format_that_its_name_tells(
     assert "--force overwrites it" in again.err
 
 
-def test_dot_and_mermaid_go_to_standard_output(cli: Run, on_bus: dict[str, Any]) -> None:
+def test_dot_and_mermaid_go_to_standard_output(cli, on_bus):
     del on_bus
     dot = cli("graph", "--format", "dot", "/talker")
     assert dot.out.startswith("digraph lcmtools {\n")
@@ -189,7 +176,7 @@ def test_dot_and_mermaid_go_to_standard_output(cli: Run, on_bus: dict[str, Any])
     assert re.search(r"n\d+ --> t\d+\n", mermaid)
 
 
-def test_what_is_nowhere_is_said(cli: Run, on_bus: dict[str, Any], bus_url: str) -> None:
+def test_what_is_nowhere_is_said(cli, on_bus, bus_url):
     del on_bus
     result = cli("graph", "/nowhere")
     assert (result.code, result.out) == (0, "")
@@ -199,9 +186,7 @@ def test_what_is_nowhere_is_said(cli: Run, on_bus: dict[str, Any], bus_url: str)
     assert empty.err == f"nothing to draw on {bus_url}\n"
 
 
-def test_two_of_the_same_name_and_a_stale_one(
-    cli: Run, start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_two_of_the_same_name_and_a_stale_one(cli, start, lcmtools_path, bus_url):
     one, other = (start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url) for _ in range(2))
     for talker in (one, other):
         talker.wait_for("hello world")
@@ -213,9 +198,7 @@ def test_two_of_the_same_name_and_a_stale_one(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_channels_of_any_bytes_are_drawn(
-    cli: Run, start: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_channels_of_any_bytes_are_drawn(cli, start, tmp_path):
     """In a network of its own: such channels may end what hears them."""
     names = ['a"b\\', "<&>#35;\n", "\udcff\x1b[2J", "日本|`x`"]
     url = "udpm://239.255.76.67:7667?ttl=0"
@@ -241,10 +224,10 @@ def test_channels_of_any_bytes_are_drawn(
         assert not re.search(r"[\x00-\x09\x0b-\x1f]", result.out)
 
 
-def test_a_log_is_drawn_too(cli: Run, tmp_path: Path) -> None:
+def test_a_log_is_drawn_too(cli, tmp_path):
     import struct
 
-    def event(number: int, channel: bytes, data: bytes) -> bytes:
+    def event(number, channel, data):
         head = struct.pack(">IQQII", 0xEDA1DA01, number, number * 100_000, len(channel), len(data))
         return head + channel + data
 
@@ -254,9 +237,7 @@ def test_a_log_is_drawn_too(cli: Run, tmp_path: Path) -> None:
     assert result.out == "a program (no node)\n`- POSE [unknown type] 10.0 Hz\n"
 
 
-def test_where_the_bus_tells_no_senders_programs_are_one(
-    cli: Run, start: Callable[..., Any], lcmtools_path: str, tcpq_server: Any
-) -> None:
+def test_where_the_bus_tells_no_senders_programs_are_one(cli, start, lcmtools_path, tcpq_server):
     url = tcpq_server.url
     start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=url).wait_for("hello world")
     plain = (

@@ -11,12 +11,9 @@ import socket
 import struct
 import sys
 import threading
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 from lcmtools.messages.codec import encode
@@ -24,8 +21,6 @@ from lcmtools.types import lcmtools_msgs
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.std_msgs import String
-
-Run = Callable[..., Result]
 
 GROUP = ("239.255.76.67", 7667)
 CHANNELS = [
@@ -40,19 +35,17 @@ CHANNELS = [
 pytestmark = pytest.mark.usefixtures("private_network")
 
 
-def short(channel: bytes, payload: bytes) -> bytes:
+def short(channel, payload):
     return b"LC02" + struct.pack(">I", 0) + channel + b"\0" + payload
 
 
-def fragment(
-    seqno: int, size: int, place: tuple[int, int, int], channel: bytes | None, part: bytes
-) -> bytes:
+def fragment(seqno, size, place, channel, part):
     """A fragment; ``place`` is its offset, its number and how many there are."""
     name = b"" if channel is None else channel + b"\0"
     return b"LC03" + struct.pack(">IIIHH", seqno, size, *place) + name + part
 
 
-def payloads() -> list[bytes]:
+def payloads():
     """Payloads of wrong types, cut short, and with lengths that cannot be."""
     string = encode(String())
     announcement = encode(lcmtools_msgs.Announcement())
@@ -76,7 +69,7 @@ def payloads() -> list[bytes]:
     ]
 
 
-def malformed() -> list[bytes]:
+def malformed():
     """Datagrams that are none of LCM's."""
     return [
         b"",
@@ -99,7 +92,7 @@ def malformed() -> list[bytes]:
     ]
 
 
-def hostile(seed: int) -> Iterator[bytes]:
+def hostile(seed):
     """Every kind of bad datagram, and any of them with a byte changed."""
     kinds = malformed() + [short(c, p) for c in [*CHANNELS, b"\xff\xfe", b""] for p in payloads()]
     yield from kinds
@@ -111,11 +104,11 @@ def hostile(seed: int) -> Iterator[bytes]:
 
 
 @pytest.fixture
-def attack() -> Iterator[Callable[..., None]]:
+def attack():
     """``attack(datagrams)`` sends each, slowly enough that nothing is lost; in this network."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
 
-        def send(datagrams: Any) -> None:
+        def send(datagrams):
             pause = threading.Event()
             for datagram in datagrams:
                 sender.sendto(datagram, GROUP)
@@ -125,7 +118,7 @@ def attack() -> Iterator[Callable[..., None]]:
 
 
 @pytest.fixture
-def running(start: Callable[..., Any], lcmtools_path: str) -> dict[str, Any]:
+def running(start, lcmtools_path):
     """The nodes and commands that have to live through it."""
     programs = {
         "talker": start(lcmtools_path, "run", "talker"),
@@ -142,9 +135,7 @@ def running(start: Callable[..., Any], lcmtools_path: str) -> dict[str, Any]:
     return programs
 
 
-def test_nodes_and_commands_live_through_all_of_it(
-    running: dict[str, Any], attack: Callable[..., None], cli: Run
-) -> None:
+def test_nodes_and_commands_live_through_all_of_it(running, attack, cli):
     for seed in range(8):
         attack(hostile(seed))
 
@@ -164,9 +155,7 @@ def test_nodes_and_commands_live_through_all_of_it(
     assert not any("Traceback" in program.output for program in running.values())
 
 
-def test_short_datagram_after_a_message_ends_no_node(
-    running: dict[str, Any], attack: Callable[..., None]
-) -> None:
+def test_short_datagram_after_a_message_ends_no_node(running, attack):
     """For liblcm reads the channel of the message that was in the same buffer before."""
     attack(d for c in CHANNELS for _ in range(50) for d in (short(c, b""), b"LC02\xe5\0\0\0"))
     running["talker"].wait_for("hello world")
@@ -176,12 +165,8 @@ def test_short_datagram_after_a_message_ends_no_node(
 
 
 def test_wrong_types_and_truncated_payloads_are_warnings_of_the_node(
-    start: Callable[..., Any],
-    attack: Callable[..., None],
-    lcmtools_path: str,
-    cli: Run,
-    wait_until: Callable[..., None],
-) -> None:
+    start, attack, lcmtools_path, cli, wait_until
+):
     listener = start(lcmtools_path, "run", "listener")
     wait_until(lambda: cli("node", "list").out == "/listener\n")
     good = String()
@@ -203,9 +188,7 @@ while True:
 """
 
 
-def test_wtf_names_the_sender_of_malformed_datagrams(
-    start_python: Callable[..., Any], start: Callable[..., Any], cli: Run, lcmtools_path: str
-) -> None:
+def test_wtf_names_the_sender_of_malformed_datagrams(start_python, start, cli, lcmtools_path):
     start(lcmtools_path, "run", "talker")
     start(lcmtools_path, "run", "listener").wait_for("I heard")
     sender = start_python(_SENDER)
@@ -224,9 +207,7 @@ def test_wtf_names_the_sender_of_malformed_datagrams(
 @pytest.mark.parametrize(
     "command", ["list", "list --json", "node list", "wtf --wait 0.3", "echo -1 /a"]
 )
-def test_commands_look_at_a_hostile_bus(
-    command: str, cli: Run, start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_commands_look_at_a_hostile_bus(command, cli, start, lcmtools_path):
     start(lcmtools_path, "pub", "-r", "50", "/a", "std_msgs/String", "x").wait_for("no node")
     flood = start(sys.executable, __file__, PYTHONPATH=str(Path(__file__).parents[1]))
     flood.wait_for("round 1")
@@ -238,7 +219,7 @@ def test_commands_look_at_a_hostile_bus(
     assert shown.isprintable() or "\\ud" in ascii(shown)  # no escape sequence reaches the terminal
 
 
-def _flood() -> None:
+def _flood():
     """Runs as a program of its own: sends everything, again and again."""
     pause = threading.Event()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:

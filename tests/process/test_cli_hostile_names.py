@@ -5,8 +5,6 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 from fixtures.wire import encode_event
@@ -27,8 +25,6 @@ from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
 
-Run = Callable[..., subprocess.CompletedProcess[bytes]]
-
 _EVIL = "\x1b[2J\r\n\x07\x9b31m\u202eevil"
 _STEERING = ("\x1b", "\r", "\x07", "\x9b", "\u202e")
 _ENDPOINTS = (
@@ -38,12 +34,12 @@ _ENDPOINTS = (
 
 
 @pytest.fixture
-def stranger(bus_url: str) -> Iterator[Run]:
+def stranger(bus_url):
     """A node that has such names; run commands beside it."""
     bus = UdpBus(parse_url(bus_url))
     node = Node("/stranger", "id", _EVIL, os.getpid(), command=_EVIL, endpoints=_ENDPOINTS)
 
-    def answer(payload: bytes, _time: int) -> None:
+    def answer(payload, _time):
         probe = decode_probe(payload)
         assert probe is not None
         bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, answers=probe.nonce)))
@@ -53,7 +49,7 @@ def stranger(bus_url: str) -> Iterator[Run]:
     # who looks waits for it, however busy this process is
     records.write(node._replace(host=socket.gethostname()))
 
-    def run(*words: str) -> subprocess.CompletedProcess[bytes]:
+    def run(*words):
         command = [sys.executable, "-m", "lcmtools", *words, "--lcm-url", bus_url]
         return subprocess.run(command, capture_output=True, check=True, timeout=60)
 
@@ -77,7 +73,7 @@ def stranger(bus_url: str) -> Iterator[Run]:
     ],
     ids=" ".join,
 )
-def test_a_strangers_names_are_shown_escaped(stranger: Run, words: list[str]) -> None:
+def test_a_strangers_names_are_shown_escaped(stranger, words):
     output = stranger(*words).stdout.decode()
     assert not [one for one in _STEERING if one in output]
     assert "evil" in output or words[1] == "ping"
@@ -85,9 +81,7 @@ def test_a_strangers_names_are_shown_escaped(stranger: Run, words: list[str]) ->
         assert any(str(one).endswith(_EVIL) for one in json.loads(output)[0].values())
 
 
-def test_on_a_terminal_csv_has_no_control_characters(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_on_a_terminal_csv_has_no_control_characters(tmp_path, monkeypatch, capsys):
     path = tmp_path / "a.log"
     message = String()
     message.data = _EVIL

@@ -10,9 +10,6 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures import networks
@@ -225,21 +222,14 @@ LINES = [
 
 
 @pytest.fixture(scope="module")
-def other_bus_url() -> Iterator[str]:
+def other_bus_url():
     """The bus at the relay's other end."""
     with networks.reserve_port() as lock:
         yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
 
 
 @pytest.fixture(scope="module")
-def folder(
-    module_start: Callable[..., Any],
-    lcmtools_path: str,
-    tmp_path_factory: pytest.TempPathFactory,
-    module_bus_url: str,
-    other_bus_url: str,
-    cli: Callable[..., Any],
-) -> Path:
+def folder(module_start, lcmtools_path, tmp_path_factory, module_bus_url, other_bus_url, cli):
     """A folder with logs, packages and files, while all kinds of programs run on the bus."""
     folder = tmp_path_factory.mktemp("work")
     for name, text in (
@@ -276,12 +266,12 @@ def folder(
 
 @pytest.mark.parametrize("line", LINES)
 def test_keys_of_json_are_on_the_page(
-    line: str,
-    folder: Path,
-    use_module_bus: None,  # noqa: ARG001 - the commands look at it
-    cli: Callable[..., Any],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    line,
+    folder,
+    use_module_bus,  # noqa: ARG001 - the commands look at it
+    cli,
+    monkeypatch,
+):
     monkeypatch.chdir(folder)
     monkeypatch.delenv("DISPLAY", raising=False)
     words = shlex.split(line)
@@ -295,13 +285,13 @@ def test_keys_of_json_are_on_the_page(
     assert unlisted(" ".join(path[1:]), documents) == []
 
 
-def _is_complete(written: str) -> bool:
+def _is_complete(written):
     """Return True if a command that goes on has printed a document; ``wtf --watch`` some lines."""
     return "http://" in written or "ws://" in written or "change" in written
 
 
-def _documents(text: str) -> list[object]:
-    def refuse(constant: str) -> None:
+def _documents(text):
+    def refuse(constant):
         raise AssertionError(f"{constant} is not JSON")
 
     try:
@@ -310,20 +300,20 @@ def _documents(text: str) -> list[object]:
         return [json.loads(row, parse_constant=refuse) for row in text.splitlines()]
 
 
-def test_what_a_page_does_not_list_is_found() -> None:
+def test_what_a_page_does_not_list_is_found():
     odd = {"topic": 3, "rate": math.nan, "new": {"key": None}, "min": "nan"}
     assert unlisted("hz", [odd]) == ["new.key null", "topic integer/number"]
 
 
 def test_an_error_has_the_keys_on_the_page(
-    use_module_bus: None,  # noqa: ARG001 - the command looks at it
-    cli: Callable[..., Any],
-) -> None:
+    use_module_bus,  # noqa: ARG001 - the command looks at it
+    cli,
+):
     result = cli("node", "info", "nobody", "--json")
     assert unlisted("error", [json.loads(result.err)]) == []
 
 
-def test_every_command_with_json_has_a_section_and_lines() -> None:
+def test_every_command_with_json_has_a_section_and_lines():
     commands = {" ".join(path[1:]) for path in COMMANDS if has_json(path)}
     assert commands - sections().keys() == set(), PAGE
     typed = [f"{line} " for line in LINES]

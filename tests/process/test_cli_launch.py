@@ -4,25 +4,18 @@ import json
 import signal
 import subprocess
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
-
-Run = Callable[..., Result]
-Launch = Callable[..., Any]
-Launched = Callable[..., "Done"]
 
 STUBBORN = "trap '' INT; echo ready; while true; do sleep 0.05; done"
 DEAF = "trap '' INT TERM HUP; sleep 100 & echo ready $!; while true; do sleep 0.05; done"
 
 
 @pytest.fixture(autouse=True)
-def _state(tmp_path: Path, bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def _state(tmp_path, bus_url, monkeypatch):
     """A bus, a folder for logs, and a workspace of the test's own: nobody else's packages count."""
     (tmp_path / "mine").mkdir()
     project = '[project]\nname = "mine"\n[tool.lcmtools]\n'
@@ -33,10 +26,10 @@ def _state(tmp_path: Path, bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.fixture
-def launch(start: Callable[..., Any], lcmtools_path: str, tmp_path: Path) -> Callable[..., Any]:
+def launch(start, lcmtools_path, tmp_path):
     """``launch(text, *arguments)``: a launch of a file that has this text."""
 
-    def run(text: str, *arguments: str, **environment: str) -> Any:
+    def run(text, *arguments, **environment):
         (tmp_path / "a.yaml").write_text(text)
         return start(lcmtools_path, "launch", "a.yaml", *arguments, **environment)
 
@@ -51,16 +44,16 @@ class Done:
     output: str
 
     @property
-    def lines(self) -> list[str]:
+    def lines(self):
         """Standard output, then standard error."""
         return self.output.splitlines()
 
 
 @pytest.fixture
-def launched(cli: Callable[..., Any], tmp_path: Path) -> Launched:
+def launched(cli, tmp_path):
     """``launched(text, *arguments, until="", ends_by=...)``: the same to its end, in here."""
 
-    def run(text: str, *arguments: str, **options: Any) -> Done:
+    def run(text, *arguments, **options):
         (tmp_path / "a.yaml").write_text(text)
         result = cli("launch", "a.yaml", *arguments, **options)
         return Done(result.code, result.out + result.err)
@@ -68,17 +61,17 @@ def launched(cli: Callable[..., Any], tmp_path: Path) -> Launched:
     return run
 
 
-def shell(script: str, name: str = "node", more: str = "") -> str:
+def shell(script, name="node", more=""):
     """A node that is a shell's script, as part of the list of nodes."""
     return f"  - {{exec: {json.dumps(f'sh -c {json.dumps(script)}')}, name: {name}{more}}}\n"
 
 
-def nodes(*scripts: str) -> str:
+def nodes(*scripts):
     """A launch file with these nodes."""
     return "nodes:\n" + "".join(scripts)
 
 
-def is_running(pid: int) -> bool:
+def is_running(pid):
     """Return whether a process runs; one that only waits for its parent to look does not."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
@@ -87,18 +80,18 @@ def is_running(pid: int) -> bool:
     return state not in "ZX"
 
 
-def pid_of(program: Any, name: str) -> int:
+def pid_of(program, name):
     """Return the process of a node, once it was started."""
     return int(program.wait_for(f"[{name}] started").rpartition(" ")[2])
 
 
-def pid_in(program: Done, name: str) -> int:
+def pid_in(program, name):
     """Return the process that a node had."""
     line = next(line for line in program.lines if line.startswith(f"[{name}] started"))
     return int(line.rpartition(" ")[2])
 
 
-def table(program: Any) -> dict[str, list[str]]:
+def table(program):
     """The closing table: the cells behind each node's name."""
     first = next(i for i, line in enumerate(program.lines) if line.startswith("node  "))
     rows = [line.split("  ") for line in program.lines[first + 1 :]]
@@ -106,8 +99,8 @@ def table(program: Any) -> dict[str, list[str]]:
 
 
 def test_labs_file_runs_its_node_in_the_namespace_until_ctrl_c(
-    start: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
-) -> None:
+    start, cli, lcmtools_path, wait_until
+):
     program = start(lcmtools_path, "launch", "simple_controller.launch", "__ns:=/husky0")
     name = "/husky0/husky_simple_controller"
     wait_until(lambda: cli("node", "list").out == f"{name}\n")
@@ -126,8 +119,8 @@ if sys.orig_argv[2:3] == ["run"]:
 
 
 def test_a_node_that_is_interrupted_while_python_starts_prints_no_traceback(
-    launched: Launched, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    launched, tmp_path, monkeypatch
+):
     (tmp_path / "sitecustomize.py").write_text(_INTERRUPTED_START)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     done = launched("nodes: [{run: talker}]\n")
@@ -135,9 +128,7 @@ def test_a_node_that_is_interrupted_while_python_starts_prints_no_traceback(
     assert any("died with exit code 130" in line for line in done.lines)
 
 
-def test_nohup_lets_a_launch_go_on(
-    start: Callable[..., Any], lcmtools_path: str, tmp_path: Path
-) -> None:
+def test_nohup_lets_a_launch_go_on(start, lcmtools_path, tmp_path):
     (tmp_path / "a.yaml").write_text(nodes(shell("while sleep 0.05; do echo tick; done")))
     program = start("nohup", lcmtools_path, "launch", "a.yaml")
     program.wait_for("tick")
@@ -149,7 +140,7 @@ def test_nohup_lets_a_launch_go_on(
     assert program.wait() == 0
 
 
-def test_lines_have_their_nodes_name_and_are_in_its_log(launched: Launched, tmp_path: Path) -> None:
+def test_lines_have_their_nodes_name_and_are_in_its_log(launched, tmp_path):
     program = launched(
         nodes(
             shell("echo one; echo two >&2; printf last", "first", ", ns: a"),
@@ -172,16 +163,16 @@ def test_lines_have_their_nodes_name_and_are_in_its_log(launched: Launched, tmp_
 
 @pytest.mark.parametrize(("option", "is_shown"), [("--screen", True), ("--log", False)])
 def test_output_of_all_nodes_is_said_on_the_command_line(
-    launched: Launched,
-    option: str,
-    is_shown: bool,  # noqa: FBT001 - pytest passes it by name
-) -> None:
+    launched,
+    option,
+    is_shown,
+):
     program = launched(nodes(shell("echo a line", "n")), option)
     assert program.code == 0
     assert ("[n-1] a line" in program.lines) is is_shown
 
 
-def test_node_that_fails_makes_exit_code_1_and_the_others_go_on(launched: Launched) -> None:
+def test_node_that_fails_makes_exit_code_1_and_the_others_go_on(launched):
     program = launched(nodes(shell("exit 3", "bad"), shell("sleep 0.3; echo well", "good")))
     assert program.code == 1
     assert "[good-2] well" in program.lines
@@ -190,13 +181,13 @@ def test_node_that_fails_makes_exit_code_1_and_the_others_go_on(launched: Launch
     assert rows["/good"][0] == "ended"
 
 
-def test_node_that_dies_by_a_signal_is_told(launched: Launched) -> None:
+def test_node_that_dies_by_a_signal_is_told(launched):
     program = launched(nodes(shell("kill -SEGV $$", "bad")))
     assert program.code == 1
     assert table(program)["/bad"][0] == "died by SIGSEGV"
 
 
-def test_node_is_started_again_after_its_delay(launched: Launched, tmp_path: Path) -> None:
+def test_node_is_started_again_after_its_delay(launched, tmp_path):
     script = "echo run >> runs; exit 1"
     text = nodes(shell(script, "n", ", respawn: true, respawn_delay: 0.2"))
     program = launched(text, until="starts again in 1 s")
@@ -212,7 +203,7 @@ def test_node_is_started_again_after_its_delay(launched: Launched, tmp_path: Pat
 
 
 @pytest.mark.parametrize(("code", "result"), [(0, 0), (4, 1)])
-def test_end_of_a_required_node_ends_all(launched: Launched, code: int, result: int) -> None:
+def test_end_of_a_required_node_ends_all(launched, code, result):
     program = launched(
         nodes(
             shell("echo ready; exec sleep 100", "other"),
@@ -224,9 +215,7 @@ def test_end_of_a_required_node_ends_all(launched: Launched, code: int, result: 
     assert table(program)["/other"][0] == "ended by SIGINT"
 
 
-def test_signals_follow_each_other_in_the_times_that_are_set(
-    launch: Launch, wait_until: Callable[..., None]
-) -> None:
+def test_signals_follow_each_other_in_the_times_that_are_set(launch, wait_until):
     program = launch(
         nodes(shell(STUBBORN, "stubborn"), shell(DEAF, "deaf")),
         *("--sigint-timeout", "300ms", "--sigterm-timeout", "300ms"),
@@ -242,7 +231,7 @@ def test_signals_follow_each_other_in_the_times_that_are_set(
     assert not is_running(sleeper)
 
 
-def test_ctrl_c_again_goes_on_at_once(launch: Launch) -> None:
+def test_ctrl_c_again_goes_on_at_once(launch):
     program = launch(nodes(shell(DEAF, "deaf")))
     program.wait_for("ready")
     program.send_signal(signal.SIGINT)
@@ -254,15 +243,13 @@ def test_ctrl_c_again_goes_on_at_once(launch: Launch) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_other_signals_end_it_in_order_too(launched: Launched, number: int) -> None:
+def test_other_signals_end_it_in_order_too(launched, number):
     program = launched("nodes: [{run: talker}]", until="hello world", ends_by=number)
     assert program.code == 0
     assert table(program)["/talker"][0] == "ended when asked to"
 
 
-def test_nothing_outlives_a_launcher_that_is_killed(
-    launch: Launch, wait_until: Callable[..., None]
-) -> None:
+def test_nothing_outlives_a_launcher_that_is_killed(launch, wait_until):
     quick = 'trap "echo asked >> end; exit" INT; echo ready; while true; do sleep 0.05; done'
     program = launch(
         nodes(
@@ -281,7 +268,7 @@ def test_nothing_outlives_a_launcher_that_is_killed(
     assert Path("end").read_text() == "asked\n", "a node that heeds SIGINT is asked once"
 
 
-def test_nothing_is_started_where_a_program_is_missing(launched: Launched, tmp_path: Path) -> None:
+def test_nothing_is_started_where_a_program_is_missing(launched, tmp_path):
     program = launched(nodes(shell("touch started", "a"), "  - run: talkr\n"))
     assert program.code == 2
     (line,) = program.lines
@@ -290,9 +277,7 @@ def test_nothing_is_started_where_a_program_is_missing(launched: Launched, tmp_p
     assert not (tmp_path / "state").exists()
 
 
-def test_program_that_the_system_refuses_ends_what_was_started(
-    launched: Launched, tmp_path: Path
-) -> None:
+def test_program_that_the_system_refuses_ends_what_was_started(launched, tmp_path):
     (tmp_path / "broken").write_bytes(b"\x7fELF nothing more")
     (tmp_path / "broken").chmod(0o755)
     program = launched(nodes(shell("exec sleep 100", "a"), "  - {exec: ./broken, name: b}\n"))
@@ -303,21 +288,19 @@ def test_program_that_the_system_refuses_ends_what_was_started(
 
 
 @pytest.mark.parametrize(("more", "expected"), [("", ""), (", stdin: true", "hello\n")])
-def test_standard_input_is_for_the_node_that_asks_for_it(
-    cli: Run, tmp_path: Path, more: str, expected: str
-) -> None:
+def test_standard_input_is_for_the_node_that_asks_for_it(cli, tmp_path, more, expected):
     (tmp_path / "a.yaml").write_text(f"nodes: [{{exec: cat{more}}}]")
     result = cli("launch", "a.yaml", input="hello\n")
     assert (result.code, result.out) == (0, expected)
 
 
-def test_launch_file_comes_from_a_pipe(cli: Run) -> None:
+def test_launch_file_comes_from_a_pipe(cli):
     text = '<launch><node pkg="lcmtools" type="talker" name="t"/></launch>'
     result = cli("launch", "-", "--nodes", "__ns:=/a", input=text)
     assert (result.code, result.out) == (0, "/a/t\n")
 
 
-def test_reader_that_has_had_enough_ends_it(lcmtools_path: str, tmp_path: Path) -> None:
+def test_reader_that_has_had_enough_ends_it(lcmtools_path, tmp_path):
     (tmp_path / "a.yaml").write_text(nodes(shell("while echo line; do sleep 0.01; done", "n")))
     done = subprocess.run(
         ["bash", "-c", '"$0" launch a.yaml | head -n 2; echo ${PIPESTATUS[0]}', lcmtools_path],  # noqa: S607 - bash, wherever it is
@@ -329,7 +312,7 @@ def test_reader_that_has_had_enough_ends_it(lcmtools_path: str, tmp_path: Path) 
     assert done.stdout.splitlines() == ["[n-1] line", "[n-1] line", "0"]
 
 
-def test_prefixes_have_colour_only_where_it_is_wanted(launched: Launched) -> None:
+def test_prefixes_have_colour_only_where_it_is_wanted(launched):
     text = nodes(shell("echo a", "n"))
     colored, plain = launched(text, env={"LCMTOOLS_COLOR": "always"}), launched(text)
     assert (colored.code, plain.code) == (0, 0)
@@ -337,17 +320,13 @@ def test_prefixes_have_colour_only_where_it_is_wanted(launched: Launched) -> Non
     assert "\x1b" not in plain.output
 
 
-def test_a_nodes_colours_pass_and_what_else_controls_the_terminal_is_escaped(
-    launched: Launched,
-) -> None:
+def test_a_nodes_colours_pass_and_what_else_controls_the_terminal_is_escaped(launched):
     says = r"printf '\033[31mred\033[0m \033[2J\033]0;title\007\n'"
     for text in (nodes(shell(says, "n")), nodes(shell(f"{says} >&2", "n"))):
         assert "[n-1] \x1b[31mred\x1b[0m \\x1b[2J\\x1b]0;title\\x07" in launched(text).lines
 
 
-def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(
-    launched: Launched, bus_url: str
-) -> None:
+def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(launched, bus_url):
     say = "echo url=$LCM_DEFAULT_URL ns=$LCMTOOLS_NAMESPACE"
     text = nodes(shell(say, "a", ", ns: x"), shell(say, "b", ', env: {LCMTOOLS_DOMAIN: "5"}'))
     program = launched(text, "--lcm-url", bus_url, env={"LCM_DEFAULT_URL": ""})
@@ -356,13 +335,13 @@ def test_all_nodes_are_on_the_chosen_bus_but_those_that_the_file_puts_elsewhere(
     assert "[b-2] url=udpm://239.255.76.67:7672?ttl=0 ns=" in program.lines
 
 
-def test_questions_are_answered_and_nothing_is_run(cli: Run, tmp_path: Path) -> None:
+def test_questions_are_answered_and_nothing_is_run(cli, tmp_path):
     (tmp_path / "a.launch").write_text(
         """<launch><arg name="who" doc="whom to greet"/><arg name="n" default="1"/>
         <node pkg="lcmtools" type="talker" name="t$(arg n)" args="$(arg who)"/></launch>"""
     )
 
-    def ask(*words: str) -> str:
+    def ask(*words):
         result = cli("launch", "a.launch", *words)
         assert (result.code, result.err) == (0, "")
         return result.out
@@ -386,7 +365,7 @@ def test_questions_are_answered_and_nothing_is_run(cli: Run, tmp_path: Path) -> 
     assert not (tmp_path / "state").exists()
 
 
-def test_a_node_is_found_with_file_and_line(cli: Run, tmp_path: Path) -> None:
+def test_a_node_is_found_with_file_and_line(cli, tmp_path):
     (tmp_path / "a.yaml").write_text(nodes("  - run: talker\n", "  - run: listener\n"))
     found = cli("launch", "a.yaml", "--find-node", "listener")
     assert (found.code, found.out) == (0, "a.yaml:3\n")
@@ -394,7 +373,7 @@ def test_a_node_is_found_with_file_and_line(cli: Run, tmp_path: Path) -> None:
     assert json.loads(record) == {"node": "/listener", "place": "a.yaml:3"}
 
 
-def test_parameters_are_dumped_as_param_load_takes_them(cli: Run, tmp_path: Path) -> None:
+def test_parameters_are_dumped_as_param_load_takes_them(cli, tmp_path):
     (tmp_path / "a.yaml").write_text(
         "nodes:\n"
         "  - {run: talker, ns: a, param: {rate: 2.5, who: 'true', gains: [1, 2], 'deep/down': x}}\n"
@@ -422,7 +401,7 @@ def test_parameters_are_dumped_as_param_load_takes_them(cli: Run, tmp_path: Path
 
 
 @pytest.mark.usefixtures("bare_network")
-def test_nodes_start_when_there_is_a_network(launch: Launch, ip: Callable[..., None]) -> None:
+def test_nodes_start_when_there_is_a_network(launch, ip):
     program = launch(nodes(shell("echo it runs", more=", output: screen")), "--wait")
     program.wait_for("lcmtools launch: waiting for the bus: no multicast route")
     assert "it runs" not in program.output
@@ -433,7 +412,7 @@ def test_nodes_start_when_there_is_a_network(launch: Launch, ip: Callable[..., N
     assert sum("waiting for the bus" in line for line in program.lines) == 1
 
 
-def test_printed_command_line_is_what_a_shell_takes(cli: Run, tmp_path: Path) -> None:
+def test_printed_command_line_is_what_a_shell_takes(cli, tmp_path):
     (tmp_path / "a.yaml").write_text(
         "nodes:\n"
         '  - exec: sh -c \'echo "$X" "$0" "$PWD"\' "it\'s"\n'
@@ -444,7 +423,7 @@ def test_printed_command_line_is_what_a_shell_takes(cli: Run, tmp_path: Path) ->
     assert printed.stdout == f"a b it's {tmp_path}\n"
 
 
-def test_notes_are_told_and_the_rest_is_run(cli: Run, tmp_path: Path) -> None:
+def test_notes_are_told_and_the_rest_is_run(cli, tmp_path):
     (tmp_path / "a.launch").write_text(
         '<launch>\n<nodde/><node pkg="lcmtools" type="talker" name="t"/></launch>'
     )
@@ -454,9 +433,7 @@ def test_notes_are_told_and_the_rest_is_run(cli: Run, tmp_path: Path) -> None:
     assert_says(line, "lcmtools launch: a.launch:2: ", "'nodde'", "did you mean node?")
 
 
-def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(
-    launched: Launched, tmp_path: Path
-) -> None:
+def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(launched, tmp_path):
     (tmp_path / "file").touch()
     program = launched(
         nodes(shell("touch started")), env={"XDG_STATE_HOME": str(tmp_path / "file")}
@@ -466,7 +443,7 @@ def test_launcher_that_has_no_place_for_logs_says_so_before_it_starts_anything(
     assert not (tmp_path / "started").exists()
 
 
-def test_many_nodes_are_launched_and_ended_together(launched: Launched) -> None:
+def test_many_nodes_are_launched_and_ended_together(launched):
     text = nodes(*(shell("echo up; exec sleep 100", f"n{i}") for i in range(20)))
     program = launched(text, until=lambda text: text.count("] up") == 20)
     assert program.code == 0
@@ -474,9 +451,7 @@ def test_many_nodes_are_launched_and_ended_together(launched: Launched) -> None:
     assert not any(is_running(pid_in(program, f"n{i}-{i + 1}")) for i in range(20))
 
 
-def test_ctrl_c_counts_while_nobody_reads_what_is_shown(
-    lcmtools_path: str, tmp_path: Path, wait_until: Callable[..., None]
-) -> None:
+def test_ctrl_c_counts_while_nobody_reads_what_is_shown(lcmtools_path, tmp_path, wait_until):
     text = nodes(shell("echo $$ > pid; while true; do echo much to read; done", "n"))
     (tmp_path / "a.yaml").write_text(text)
     command = [lcmtools_path, "launch", "a.yaml"]
@@ -492,7 +467,7 @@ def test_ctrl_c_counts_while_nobody_reads_what_is_shown(
         assert not is_running(pid)
 
 
-def test_log_shows_a_nodes_warnings_only(launched: Launched) -> None:
+def test_log_shows_a_nodes_warnings_only(launched):
     script = "echo '[INFO] [1] [/n]: fine' >&2; echo '[WARN] [1] [/n]: not fine' >&2"
     program = launched(nodes(shell(script, "n", ", output: log")))
     assert program.code == 0

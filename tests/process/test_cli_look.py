@@ -4,14 +4,9 @@ import json
 import os
 import re
 import socket
-from collections.abc import Callable
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line, assert_says
-
-Run = Callable[..., Result]
 
 HOST = socket.gethostname()
 
@@ -19,7 +14,7 @@ pytestmark = pytest.mark.usefixtures("use_module_bus", "nodes")
 
 
 @pytest.fixture(scope="module")
-def nodes(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, int]:
+def nodes(module_start, lcmtools_path):
     """A talker and a listener that have met; their pids."""
     listener = module_start(lcmtools_path, "run", "listener")
     talker = module_start(lcmtools_path, "run", "talker")
@@ -27,16 +22,16 @@ def nodes(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, int
     return {"talker": talker.pid, "listener": listener.pid}
 
 
-def test_list_prints_the_topics_sorted(cli: Run) -> None:
+def test_list_prints_the_topics_sorted(cli):
     result = cli("list")
     assert (result.code, result.out, result.err) == (0, "/chatter\n/rosout\n", "")
 
 
-def test_topic_list_is_list(cli: Run) -> None:
+def test_topic_list_is_list(cli):
     assert cli("topic", "list").out == cli("list").out
 
 
-def test_list_v_has_the_sections_of_rostopic(cli: Run) -> None:
+def test_list_v_has_the_sections_of_rostopic(cli):
     assert cli("list", "-v").out == (
         "\n"
         "Published topics:\n"
@@ -49,7 +44,7 @@ def test_list_v_has_the_sections_of_rostopic(cli: Run) -> None:
     )
 
 
-def test_list_t_shows_the_types(cli: Run) -> None:
+def test_list_t_shows_the_types(cli):
     lines = cli("list", "-t").out.splitlines()
     assert lines == ["/chatter [std_msgs/String]", "/rosout [rosgraph_msgs/Log]"]
 
@@ -57,21 +52,19 @@ def test_list_t_shows_the_types(cli: Run) -> None:
 @pytest.mark.parametrize(
     ("option", "topics"), [("-p", ["/chatter", "/rosout"]), ("-s", ["/chatter"])]
 )
-def test_list_keeps_to_what_is_published_or_subscribed_to(
-    option: str, topics: list[str], cli: Run
-) -> None:
+def test_list_keeps_to_what_is_published_or_subscribed_to(option, topics, cli):
     assert cli("list", option).out.splitlines() == topics
 
 
 @pytest.mark.parametrize(
     ("option", "heading"), [("-vp", "Published topics:"), ("-vs", "Subscribed topics:")]
 )
-def test_list_v_has_one_section_where_one_is_asked_for(option: str, heading: str, cli: Run) -> None:
+def test_list_v_has_one_section_where_one_is_asked_for(option, heading, cli):
     lines = cli("list", option).out.splitlines()
     assert [line for line in lines if line.endswith(":")] == [heading]
 
 
-def test_list_hz_measures_how_often_messages_come(cli: Run) -> None:
+def test_list_hz_measures_how_often_messages_come(cli):
     chatter, rosout = cli("list", "--hz", "-t").out.splitlines()
     name, kind, rate, unit = chatter.split()
     assert (name, kind, unit) == ("/chatter", "[std_msgs/String]", "Hz")
@@ -83,21 +76,21 @@ def test_list_hz_measures_how_often_messages_come(cli: Run) -> None:
     assert "rate" not in json.loads(cli("list", "--json", "chatter").out)[0]
 
 
-def test_list_host_groups_the_topics_by_computer(cli: Run) -> None:
+def test_list_host_groups_the_topics_by_computer(cli):
     assert cli("list", "--host").out == f"Host [{HOST}]:\n  /chatter\n  /rosout\n"
 
 
-def test_list_c_is_how_many_topics_there_are(cli: Run) -> None:
+def test_list_c_is_how_many_topics_there_are(cli):
     assert cli("list", "-c").out == "2\n"
     assert cli("list", "-c", "/nowhere").out == "0\n"
 
 
 @pytest.mark.parametrize("pattern", ["/chat*", "chat*", "*ter", "/chatte?", "/?hatter"])
-def test_list_keeps_to_what_matches_a_pattern(pattern: str, cli: Run) -> None:
+def test_list_keeps_to_what_matches_a_pattern(pattern, cli):
     assert cli("list", pattern).out == "/chatter\n"
 
 
-def test_list_json_has_who_publishes_and_who_subscribes(cli: Run) -> None:
+def test_list_json_has_who_publishes_and_who_subscribes(cli):
     assert json.loads(cli("list", "--json").out)[0] == {
         "topic": "/chatter",
         "type": "std_msgs/String",
@@ -109,28 +102,24 @@ def test_list_json_has_who_publishes_and_who_subscribes(cli: Run) -> None:
 
 
 @pytest.mark.parametrize("name", ["chatter", "/chatter", "/chatter/"])
-def test_list_keeps_to_a_namespace_or_topic(name: str, cli: Run) -> None:
+def test_list_keeps_to_a_namespace_or_topic(name, cli):
     assert cli("list", name).out == "/chatter\n"
 
 
-def test_list_of_a_namespace_where_nothing_is_says_so_on_standard_error(
-    cli: Run, module_bus_url: str
-) -> None:
+def test_list_of_a_namespace_where_nothing_is_says_so_on_standard_error(cli, module_bus_url):
     result = cli("list", "/chat")
     assert (result.code, result.out) == (0, "")
     assert_line(result.err, "no topics", "/chat", f"{module_bus_url}\n")
 
 
-def test_list_all_shows_hidden_topics_too(
-    cli: Run, start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_list_all_shows_hidden_topics_too(cli, start, lcmtools_path):
     hidden = start(lcmtools_path, "pub", "-r", "20", "/_hidden/a", "std_msgs/String", "x")
     hidden.wait_for("no node subscribes")
     assert "/_hidden/a" not in cli("list").out
     assert "/_hidden/a" in cli("list", "--all").out.splitlines()
 
 
-def test_info_names_type_nodes_hosts_and_processes(cli: Run, nodes: dict[str, int]) -> None:
+def test_info_names_type_nodes_hosts_and_processes(cli, nodes):
     result = cli("info", "chatter")
     assert (result.code, result.err) == (0, "")
     counters = (
@@ -155,25 +144,25 @@ def test_info_names_type_nodes_hosts_and_processes(cli: Run, nodes: dict[str, in
     assert [float(rate) for rate in text.groups()] == pytest.approx([10, 10], abs=2.5)
 
 
-def test_info_v_has_fingerprints_and_command_lines_too(cli: Run) -> None:
+def test_info_v_has_fingerprints_and_command_lines_too(cli):
     lines = cli("info", "-v", "chatter").out.splitlines()
     assert lines[1].startswith("Fingerprint: 0x")
     commands = [line for line in lines if line.startswith("     command: ")]
     assert [line.rpartition(" ")[2] for line in commands] == ["talker", "listener"]
 
 
-def test_info_of_several_topics_has_a_heading_for_each(cli: Run) -> None:
+def test_info_of_several_topics_has_a_heading_for_each(cli):
     lines = cli("info", "chatter", "/rosout").out.splitlines()
     assert lines[:2] == ["Topic: /chatter", "Type: std_msgs/String"]
     second = lines.index("Topic: /rosout")
     assert lines[second + 1] == "Type: rosgraph_msgs/Log"
 
 
-def test_info_says_none_where_nobody_is(cli: Run) -> None:
+def test_info_says_none_where_nobody_is(cli):
     assert cli("info", "/rosout").out.endswith("\nSubscribers: None\n\n\n")
 
 
-def test_info_json_has_the_endpoints_with_their_counters(cli: Run, nodes: dict[str, int]) -> None:
+def test_info_json_has_the_endpoints_with_their_counters(cli, nodes):
     (topic,) = json.loads(cli("info", "--json", "/chatter").out)
     (publisher,) = topic["publishers"]
     assert topic["type"] == "std_msgs/String"
@@ -188,22 +177,22 @@ def test_info_json_has_the_endpoints_with_their_counters(cli: Run, nodes: dict[s
 
 
 @pytest.mark.parametrize("command", ["info", "type"])
-def test_unknown_topic_is_exit_code_1_with_a_near_miss(command: str, cli: Run) -> None:
+def test_unknown_topic_is_exit_code_1_with_a_near_miss(command, cli):
     result = cli(command, "chater")
     assert (result.code, result.out) == (1, "")
     assert_line(result.err, f"lcmtools {command}: ", "topic /chater; did you mean /chatter?\n")
 
 
-def test_topic_of_another_namespace_is_a_near_miss(cli: Run) -> None:
+def test_topic_of_another_namespace_is_a_near_miss(cli):
     assert cli("info", "/robot/chatter").err.endswith("; did you mean /chatter?\n")
 
 
-def test_topic_like_no_other_leads_to_list(cli: Run) -> None:
+def test_topic_like_no_other_leads_to_list(cli):
     result = cli("info", "zzz")
     assert_line(result.err, "lcmtools info: ", "topic /zzz; lcmtools list")
 
 
-def test_type_prints_the_type_alone(cli: Run) -> None:
+def test_type_prints_the_type_alone(cli):
     assert cli("type", "chatter").out == "std_msgs/String\n"
     assert json.loads(cli("type", "/chatter", "--json").out) == {
         "topic": "/chatter",
@@ -212,7 +201,7 @@ def test_type_prints_the_type_alone(cli: Run) -> None:
     }
 
 
-def test_type_of_a_field_is_told_as_rostopic_does(cli: Run) -> None:
+def test_type_of_a_field_is_told_as_rostopic_does(cli):
     assert cli("type", "/chatter/data").out == "std_msgs/String data string\n"
     assert cli("type", "/rosout/header/stamp").out == (
         "rosgraph_msgs/Log header/stamp std_msgs/Time\n"
@@ -226,7 +215,7 @@ def test_type_of_a_field_is_told_as_rostopic_does(cli: Run) -> None:
     }
 
 
-def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(cli: Run) -> None:
+def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(cli):
     result = cli("type", "/chatter/dota")
     assert (result.code, result.out) == (1, "")
     parts = ("std_msgs/String", "'dota'", "fields: data", "; did you mean data?\n")
@@ -234,12 +223,12 @@ def test_type_of_an_unknown_field_is_exit_code_1_with_a_near_miss(cli: Run) -> N
 
 
 @pytest.mark.parametrize("argument", [[], ["-"]])
-def test_type_pipes_into_msg_show(argument: list[str], cli: Run) -> None:
+def test_type_pipes_into_msg_show(argument, cli):
     kind = cli("type", "/chatter").out
     assert cli("msg", "show", *argument, input=kind).out == "string data\n"
 
 
-def test_a_piped_type_of_a_service_is_shown(cli: Run) -> None:
+def test_a_piped_type_of_a_service_is_shown(cli):
     result = cli("srv", "show", input="std_srvs/SetBool\n")
     assert result.out == "bool data\n---\nbool success\nstring message\n"
 
@@ -248,9 +237,7 @@ def test_a_piped_type_of_a_service_is_shown(cli: Run) -> None:
 @pytest.mark.parametrize(
     ("group", "example"), [("msg", "geometry_msgs/Twist"), ("srv", "std_srvs/SetBool")]
 )
-def test_show_says_what_a_pipe_lacks(
-    group: str, example: str, said: str, what: str, cli: Run
-) -> None:
+def test_show_says_what_a_pipe_lacks(group, example, said, what, cli):
     result = cli(group, "show", input=said)
     assert (result.code, result.out) == (2, "")
     parts = ("standard input", what, f"lcmtools {group} show {example}\n")
@@ -258,49 +245,45 @@ def test_show_says_what_a_pipe_lacks(
 
 
 @pytest.mark.parametrize("name", ["chatter", "/chatter"])
-def test_echo_n_prints_so_many_messages_as_rostopic_does(name: str, cli: Run) -> None:
+def test_echo_n_prints_so_many_messages_as_rostopic_does(name, cli):
     result = cli("echo", "-n", "2", name)
     assert (result.code, result.err) == (0, "")
     first, second = re.fullmatch(
         r'data: "hello world (\d+)"\n---\ndata: "hello world (\d+)"\n---\n', result.out
-    ).groups()  # type: ignore[union-attr] # no match fails the test as well
+    ).groups()
     assert int(second) == int(first) + 1
 
 
-def test_echo_json_is_an_object_a_line(cli: Run) -> None:
+def test_echo_json_is_an_object_a_line(cli):
     lines = cli("echo", "--json", "-n", "3", "chatter").out.splitlines()
     assert len(lines) == 3
     assert all(json.loads(line)["data"].startswith("hello world ") for line in lines)
 
 
 @pytest.mark.parametrize("option", ["--once", "-1"])
-def test_echo_once_is_one_message(option: str, cli: Run) -> None:
+def test_echo_once_is_one_message(option, cli):
     assert cli("echo", option, "/chatter").out.count("---\n") == 1
 
 
-def test_echo_gives_up_after_its_timeout_with_exit_code_4(cli: Run) -> None:
+def test_echo_gives_up_after_its_timeout_with_exit_code_4(cli):
     result = cli("echo", "chater", "--timeout", "200ms")
     assert (result.code, result.out) == (4, "")
     assert_line(result.err, "lcmtools echo: ", "chater", "0.2 s; did you mean /chatter?\n")
 
 
-def test_echo_tells_what_is_on_the_bus_while_nothing_comes(
-    start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_echo_tells_what_is_on_the_bus_while_nothing_comes(start, lcmtools_path):
     echo = start(lcmtools_path, "echo", "/zzz")
     line = echo.wait_for("no message on /zzz yet")
     assert_says(line, "lcmtools echo: ", "no message", "/zzz", "; on the bus: /chatter, /rosout")
 
 
-def test_echo_is_seen_as_a_subscriber_while_it_runs(
-    cli: Run, start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_echo_is_seen_as_a_subscriber_while_it_runs(cli, start, lcmtools_path):
     echo = start(lcmtools_path, "echo", "chatter")
     echo.wait_for("---")
     assert f"/_lcmtools_echo_{echo.pid} ({HOST}, pid {echo.pid})" in cli("info", "chatter").out
 
 
-def test_hz_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_path: str) -> None:
+def test_hz_prints_the_lines_of_rostopic(start, lcmtools_path):
     hz = start(lcmtools_path, "hz", "chatter")
     hz.wait_for("subscribed to [/chatter]")
     assert hz.lines[0] == "subscribed to [/chatter]"
@@ -310,12 +293,12 @@ def test_hz_prints_the_lines_of_rostopic(start: Callable[..., Any], lcmtools_pat
     assert re.fullmatch(r"\tmin: 0\.\d{3}s max: 0\.\d{3}s std dev: 0\.\d{5}s window: \d+", spread)
 
 
-def test_hz_w_limits_the_window(start: Callable[..., Any], lcmtools_path: str) -> None:
+def test_hz_w_limits_the_window(start, lcmtools_path):
     hz = start(lcmtools_path, "hz", "/chatter", "-w", "3")
     assert hz.wait_for("window: ").endswith("window: 3")
 
 
-def test_hz_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: str) -> None:
+def test_hz_json_is_an_object_a_line(start, lcmtools_path):
     hz = start(lcmtools_path, "hz", "--json", "/chatter")
     measured = json.loads(hz.wait_for("rate"))
     assert measured["topic"] == "/chatter"
@@ -323,18 +306,18 @@ def test_hz_json_is_an_object_a_line(start: Callable[..., Any], lcmtools_path: s
     assert measured["min"] <= 1 / measured["rate"] <= measured["max"]
 
 
-def test_hz_gives_up_after_its_timeout_with_exit_code_4(cli: Run) -> None:
+def test_hz_gives_up_after_its_timeout_with_exit_code_4(cli):
     result = cli("hz", "/zzz", "--timeout", "200ms")
     assert (result.code, result.out) == (4, "")
     assert_says(result.err, "lcmtools hz: ", "/zzz", "within 0.2 s")
 
 
-def test_node_list_prints_the_nodes_sorted(cli: Run) -> None:
+def test_node_list_prints_the_nodes_sorted(cli):
     result = cli("node", "list")
     assert (result.code, result.out, result.err) == (0, "/listener\n/talker\n", "")
 
 
-def test_node_info_has_the_sections_of_rosnode(cli: Run, nodes: dict[str, int]) -> None:
+def test_node_info_has_the_sections_of_rosnode(cli, nodes):
     result = cli("node", "info", "talker")
     assert result.code == 0
     assert result.out.startswith(
@@ -354,7 +337,7 @@ def test_node_info_has_the_sections_of_rosnode(cli: Run, nodes: dict[str, int]) 
     assert result.out.endswith("Connections:\n * topic: /chatter\n    * to: /listener\n\n")
 
 
-def test_node_info_json_has_publications_and_subscriptions(cli: Run) -> None:
+def test_node_info_json_has_publications_and_subscriptions(cli):
     talker, listener = json.loads(cli("node", "info", "--json", "/talker", "listener").out)
     assert [e["topic"] for e in talker["publications"]] == ["/chatter", "/rosout"]
     assert [e["topic"] for e in listener["subscriptions"]] == ["/chatter"]
@@ -362,13 +345,13 @@ def test_node_info_json_has_publications_and_subscriptions(cli: Run) -> None:
 
 
 @pytest.mark.parametrize("command", ["info", "ping"])
-def test_unknown_node_is_exit_code_1_with_a_near_miss(command: str, cli: Run) -> None:
+def test_unknown_node_is_exit_code_1_with_a_near_miss(command, cli):
     result = cli("node", command, "talkr")
     assert (result.code, result.out) == (1, "")
     assert_line(result.err, f"lcmtools node {command}: ", "talkr; did you mean /talker?\n")
 
 
-def test_node_ping_times_the_answers(cli: Run) -> None:
+def test_node_ping_times_the_answers(cli):
     result = cli("node", "ping", "-c", "2", "talker")
     assert (result.code, result.err) == (0, "")
     head, *replies, average, extremes = result.out.splitlines()
@@ -382,13 +365,13 @@ def test_node_ping_times_the_answers(cli: Run) -> None:
     assert re.fullmatch(r"shortest: \d+\.\d{6}ms, longest: \d+\.\d{6}ms", extremes)
 
 
-def test_node_ping_json_is_one_document(cli: Run) -> None:
+def test_node_ping_json_is_one_document(cli):
     document = json.loads(cli("node", "ping", "-c", "1", "--json", "talker").out)
     assert document["node"] == "/talker"
     assert 0 < document["times"][0] < 1
 
 
-def test_wtf_finds_nothing_wrong_with_exit_code_0(cli: Run) -> None:
+def test_wtf_finds_nothing_wrong_with_exit_code_0(cli):
     wtf = ("wtf", "--wait", "0.2s", "--ignore", "other-buses")  # where other tests run meanwhile
     result = cli(*wtf)
     assert (result.code, result.out, result.err) == (0, "No errors or warnings\n", "")
@@ -397,8 +380,8 @@ def test_wtf_finds_nothing_wrong_with_exit_code_0(cli: Run) -> None:
 
 @pytest.mark.parametrize("place", ["before", "after"])
 def test_bus_can_be_said_before_and_after_the_commands_name(
-    place: str, cli: Run, module_bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    place, cli, module_bus_url, monkeypatch
+):
     monkeypatch.delenv("LCM_DEFAULT_URL")
     option = ("--lcm-url", module_bus_url)
     for command in (("list",), ("topic", "list")):
@@ -408,12 +391,12 @@ def test_bus_can_be_said_before_and_after_the_commands_name(
     assert cli(*line).out == "/listener\n/talker\n"
 
 
-def test_topic_names_resolve_in_the_shells_namespace(cli: Run) -> None:
+def test_topic_names_resolve_in_the_shells_namespace(cli):
     result = cli("info", "chatter", env={"LCMTOOLS_NAMESPACE": "/husky0"})
     assert_line(result.err, "lcmtools info: ", "/husky0/chatter; did you mean /chatter?\n")
 
 
-def test_commands_leave_no_trace_on_the_bus(cli: Run) -> None:
+def test_commands_leave_no_trace_on_the_bus(cli):
     cli("node", "cleanup")  # of what other tests have killed
     cli("echo", "-1", "chatter")
     left = json.loads(cli("node", "list", "--all", "--json").out)
@@ -422,9 +405,7 @@ def test_commands_leave_no_trace_on_the_bus(cli: Run) -> None:
     assert sum(len(files) for _, _, files in os.walk(records)) == len(left)
 
 
-def test_nodes_of_other_users_are_no_programs_without_a_node(
-    cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nodes_of_other_users_are_no_programs_without_a_node(cli, monkeypatch):
     monkeypatch.setattr("lcmtools.observe.reading.senders.owners", lambda _sockets: {})
     listed = cli("node", "list", "-a").out
     assert "/listener" in listed

@@ -13,11 +13,9 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
 
 import pytest
 from fixtures.commands import COMMANDS, command_of, has_json
@@ -75,7 +73,7 @@ _NO_DATA = {
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f]")
 
 
-def examples(path: tuple[str, ...]) -> list[str]:
+def examples(path):
     """The lines of the examples in a command's help."""
     _, _, rest = (command_of(path).help or "").partition("Examples:\n")
     return [line.strip() for line in rest.split("\n\n")[0].splitlines()]
@@ -98,13 +96,13 @@ class Patience:
         ending: Seconds in which one that has printed all comes to its end.
     """
 
-    def __init__(self, ending: float = 0.3) -> None:
+    def __init__(self, ending=0.3):
         self._silent_until = time.monotonic() + _PATIENCE
         self._ending = ending
         self._ends = 0.0
         self.is_over = False
 
-    def __call__(self, written: object) -> bool:
+    def __call__(self, written):
         """Return whether it has had its time."""
         now = time.monotonic()
         if written and not self._ends:
@@ -114,15 +112,13 @@ class Patience:
 
 
 @pytest.fixture(scope="module")
-def robot(
-    module_start: Callable[..., Any], lcmtools_path: str, tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[], None]:
+def robot(module_start, lcmtools_path, tmp_path_factory):
     """Sees to it that the robot and the talker are on the bus, whatever an example has ended."""
     script = tmp_path_factory.mktemp("robot") / "robot.py"
     script.write_text(_ROBOT)
-    running: dict[tuple[str, ...], Any] = {}
+    running = {}
 
-    def ensure() -> None:
+    def ensure():
         for words, ready in (
             ((sys.executable, str(script)), "ready"),
             ((lcmtools_path, "run", "talker"), "hello"),
@@ -135,13 +131,7 @@ def robot(
 
 
 @pytest.fixture
-def home(
-    robot: Callable[[], None],
-    tmp_path: Path,
-    lcmtools_path: str,
-    module_bus_url: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> Iterator[Path]:
+def home(robot, tmp_path, lcmtools_path, module_bus_url, monkeypatch):
     """An empty home folder, in which nothing is left that a command did not say it would write."""
     robot()
     home = tmp_path / "home"
@@ -165,12 +155,10 @@ def home(
 
 
 @pytest.fixture
-def typed(home: Path, cli: Callable[..., Any], tmp_path: Path) -> Callable[..., Outcome]:
+def typed(home, cli, tmp_path):
     """``typed(line, signal.SIGINT)``: runs a line; ends what goes on by itself."""
 
-    def run(
-        line: str, number: signal.Signals = signal.SIGINT, out: IO[bytes] | None = None
-    ) -> Outcome:
+    def run(line, number=signal.SIGINT, out=None):
         words = shlex.split(line)
         if _IS_SHELL.search(line) or words[1] in _STARTS_PROCESSES:
             return _in_shell(line if out is None else f"{line} > /dev/full", home, tmp_path, number)
@@ -181,7 +169,7 @@ def typed(home: Path, cli: Callable[..., Any], tmp_path: Path) -> Callable[..., 
     return run
 
 
-def _in_shell(line: str, home: Path, folder: Path, number: int = signal.SIGINT) -> Outcome:
+def _in_shell(line, home, folder, number=signal.SIGINT):
     """Run a line of bash in a session of its own."""
     with (folder / "out").open("w+b") as out, (folder / "error").open("w+b") as error:
         process = subprocess.Popen(
@@ -207,7 +195,7 @@ def _in_shell(line: str, home: Path, folder: Path, number: int = signal.SIGINT) 
     return Outcome(process.returncode, *texts, signal=number if patience.is_over else 0)
 
 
-def check(outcome: Outcome, path: tuple[str, ...]) -> None:
+def check(outcome, path):
     """Check what every ending has in common."""
     text = outcome.out + outcome.error
     assert "Traceback" not in text
@@ -226,25 +214,23 @@ def check(outcome: Outcome, path: tuple[str, ...]) -> None:
         assert "Aborted" not in text
 
 
-def first_plain(path: tuple[str, ...]) -> str:
+def first_plain(path):
     """The first example that is no more than a command."""
     return next(line for line in examples(path) if not _IS_SHELL.search(line))
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_examples_work_as_typed(path: tuple[str, ...], typed: Callable[..., Outcome]) -> None:
+def test_examples_work_as_typed(path, typed):
     for line in examples(path)[:2]:
         check(typed(line), path)
 
 
-def test_everything_that_lists_reports_or_streams_has_json() -> None:
+def test_everything_that_lists_reports_or_streams_has_json():
     assert {path for path in COMMANDS if not has_json(path)} <= _NO_DATA
 
 
 @pytest.mark.parametrize("path", [path for path in COMMANDS if has_json(path)], ids=" ".join)
-def test_json_is_one_document_or_one_object_a_line(
-    path: tuple[str, ...], typed: Callable[..., Outcome]
-) -> None:
+def test_json_is_one_document_or_one_object_a_line(path, typed):
     line = next(line for line in examples(path) if not re.search(r"[|<>]|--(csv|raw)", line))
     if path[1] == "run":
         line = "lcmtools run --list"  # what follows a node's name is the node's
@@ -258,14 +244,14 @@ def test_json_is_one_document_or_one_object_a_line(
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_full_disk_costs_one_line(path: tuple[str, ...], typed: Callable[..., Outcome]) -> None:
+def test_full_disk_costs_one_line(path, typed):
     with Path("/dev/full").open("wb", buffering=0) as full:
         outcome = typed(first_plain(path), out=full)
     check(outcome, path)
     check_full(outcome, path)
 
 
-def check_full(outcome: Outcome, path: tuple[str, ...]) -> None:
+def check_full(outcome, path):
     """Check what is true where nothing can be written."""
     if not outcome.signal and "No space left" in outcome.error:
         assert outcome.code == (64 if path == ("lcmtools", "wtf") else 1)  # there 1 is a warning
@@ -281,9 +267,7 @@ SOME = ["list", "echo", "pub", "msg show", "spy", "wtf", "run", "help"]
 
 
 @pytest.mark.parametrize("command", SOME)
-def test_full_disk_and_closed_input_cost_a_process_one_line(
-    command: str, home: Path, tmp_path: Path
-) -> None:
+def test_full_disk_and_closed_input_cost_a_process_one_line(command, home, tmp_path):
     path = ("lcmtools", *command.split())
     outcome = _in_shell(f"{first_plain(path)} > /dev/full <&-", home, tmp_path)
     check(outcome, path)
@@ -291,9 +275,7 @@ def test_full_disk_and_closed_input_cost_a_process_one_line(
 
 
 @pytest.mark.parametrize("command", SOME)
-def test_reader_who_has_had_enough_and_closed_error_are_no_fault(
-    command: str, home: Path, tmp_path: Path
-) -> None:
+def test_reader_who_has_had_enough_and_closed_error_are_no_fault(command, home, tmp_path):
     path = ("lcmtools", *command.split())
     # a head that SIGINT ends after the command would have bash end by it, too
     reader = "(trap '' INT; exec head -1)"
@@ -304,9 +286,7 @@ def test_reader_who_has_had_enough_and_closed_error_are_no_fault(
 
 
 @pytest.mark.parametrize("path", COMMANDS, ids=" ".join)
-def test_reader_who_is_gone_is_no_fault_of_any_command(
-    path: tuple[str, ...], typed: Callable[..., Outcome]
-) -> None:
+def test_reader_who_is_gone_is_no_fault_of_any_command(path, typed):
     line = first_plain(path)
     if shlex.split(line)[1] in _STARTS_PROCESSES:
         line = f"lcmtools {path[1]} --help"

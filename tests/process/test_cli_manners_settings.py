@@ -2,28 +2,21 @@
 
 import json
 import re
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line, assert_says
 
 from lcmtools.settings import VARIABLES
-
-Run = Callable[..., Result]
-Write = Callable[[str], Path]
 
 _YELLOW = "\x1b[33m"
 
 
 @pytest.fixture
-def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
+def write(tmp_path, monkeypatch):
     """Writes the user's file."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
 
-    def do(text: str) -> Path:
+    def do(text):
         path = tmp_path / "lcmtools" / "config.yaml"
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
@@ -33,13 +26,8 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
 
 
 def test_file_moves_commands_and_nodes_to_its_bus(
-    write: Write,
-    start: Callable[..., Any],
-    cli: Run,
-    lcmtools_path: str,
-    bus_url: str,
-    wait_until: Callable[..., None],
-) -> None:
+    write, start, cli, lcmtools_path, bus_url, wait_until
+):
     write(f"lcm_url: {bus_url}\nnamespace: /husky0\n")
     start(lcmtools_path, "run", "talker").wait_for("[/husky0/talker]: hello world")
     names = cli("node", "list", "--lcm-url", bus_url, env={"XDG_CONFIG_HOME": "/nowhere"}).out
@@ -49,10 +37,10 @@ def test_file_moves_commands_and_nodes_to_its_bus(
     assert echo.out.startswith("data: ")
 
 
-def test_flag_wins_over_environment_over_file(write: Write, cli: Run) -> None:
+def test_flag_wins_over_environment_over_file(write, cli):
     path = write("# mine\ndomain: 3\ntimeout: 200ms\n")
 
-    def bus(*arguments: str, **environment: str) -> tuple[str, str]:
+    def bus(*arguments, **environment):
         report = json.loads(cli("config", "--json", *arguments, env=environment).out)
         return report["bus"]["value"].rpartition(":")[2], report["bus"]["source"]
 
@@ -64,7 +52,7 @@ def test_flag_wins_over_environment_over_file(write: Write, cli: Run) -> None:
     assert bus("--lcm-url", url, "--domain", "5") == ("7673?ttl=0", "--lcm-url")
 
 
-def test_config_is_a_table_for_people(write: Write, cli: Run) -> None:
+def test_config_is_a_table_for_people(write, cli):
     path = write("domain: 3\n")
     result = cli("config", env={"LCMTOOLS_NAMESPACE": "/husky0"})
     rows = [line.split() for line in result.out.splitlines()]
@@ -77,9 +65,7 @@ def test_config_is_a_table_for_people(write: Write, cli: Run) -> None:
     assert cli("config").out.endswith(f"file: {path} (there is none)\n")
 
 
-def test_config_shows_every_variable_and_the_workspaces(
-    write: Write, cli: Run, tmp_path: Path
-) -> None:
+def test_config_shows_every_variable_and_the_workspaces(write, cli, tmp_path):
     write("")
     given = {"LCMTOOLS_TYPE_PATH": "/types", "LCMTOOLS_PACKAGE_PATH": f"{tmp_path}:/lost"}
     rows = [line.split() for line in cli("config", env=given).out.splitlines()]
@@ -98,7 +84,7 @@ def test_config_shows_every_variable_and_the_workspaces(
     assert record["workspaces"] == {"value": [str(tmp_path)], "source": "LCMTOOLS_PACKAGE_PATH"}
 
 
-def test_timeout_of_file_and_environment_counts(write: Write, cli: Run, bus_url: str) -> None:
+def test_timeout_of_file_and_environment_counts(write, cli, bus_url):
     write("timeout: 300ms\n")
     nothing = cli("echo", "/nothing", env={"LCM_DEFAULT_URL": bus_url})
     assert nothing.code == 4
@@ -112,9 +98,7 @@ def test_timeout_of_file_and_environment_counts(write: Write, cli: Run, bus_url:
 @pytest.mark.parametrize(
     "command", ["list", "wtf", "config", "run talker", "pub /a std_msgs/Empty"]
 )
-def test_broken_file_costs_one_line_that_names_it(
-    command: str, write: Write, cli: Run, bus_url: str
-) -> None:
+def test_broken_file_costs_one_line_that_names_it(command, write, cli, bus_url):
     path = write("domain: 3\ncolour: never\n")
     result = cli(*command.split(), env={"LCM_DEFAULT_URL": bus_url})
     name = "pub" if command.startswith("pub") else command
@@ -124,20 +108,18 @@ def test_broken_file_costs_one_line_that_names_it(
 
 
 @pytest.mark.parametrize("command", ["--help", "--version", "help list", "list -h", "msg list"])
-def test_broken_file_stops_nothing_that_does_without(command: str, write: Write, cli: Run) -> None:
+def test_broken_file_stops_nothing_that_does_without(command, write, cli):
     write("domain: [\n")
     result = cli(*command.split())
     assert (result.code, result.err) == (0, "")
 
 
-def test_home_that_is_no_folder_is_no_fault(cli: Run, bus_url: str) -> None:
+def test_home_that_is_no_folder_is_no_fault(cli, bus_url):
     result = cli("list", env={"LCM_DEFAULT_URL": bus_url, "XDG_CONFIG_HOME": "/dev/null"})
     assert (result.code, result.err) == (0, f"no topics on {bus_url}\n")
 
 
-def test_home_that_cannot_be_read_is_named_and_gone_on_with(
-    cli: Run, bus_url: str, tmp_path: Path
-) -> None:
+def test_home_that_cannot_be_read_is_named_and_gone_on_with(cli, bus_url, tmp_path):
     """As with ``sudo -E`` and a home that root may not read."""
     loop = tmp_path / "home"
     loop.symlink_to(loop)
@@ -148,7 +130,7 @@ def test_home_that_cannot_be_read_is_named_and_gone_on_with(
     assert cli("config", env=environment).code == 0
 
 
-def test_complaint_on_a_terminal_has_its_command_in_colour(on_terminal: Callable[..., str]) -> None:
+def test_complaint_on_a_terminal_has_its_command_in_colour(on_terminal):
     assert on_terminal("list", "--wait", "x").startswith("\x1b[1;31mlcmtools list:\x1b[0m invalid")
 
 
@@ -160,9 +142,7 @@ def test_complaint_on_a_terminal_has_its_command_in_colour(on_terminal: Callable
         ("msg show --no-color Nope", {}),
     ],
 )
-def test_terminal_without_colour_gets_no_escape(
-    words: str, environment: dict[str, str], on_terminal: Callable[..., str]
-) -> None:
+def test_terminal_without_colour_gets_no_escape(words, environment, on_terminal):
     text = on_terminal(*words.split(), **environment)
     assert_says(text, "lcmtools msg show: ", "type 'Nope'")
     assert "\x1b" not in text
@@ -178,9 +158,7 @@ def test_terminal_without_colour_gets_no_escape(
         ([], {"LCMTOOLS_COLOR": "always"}),
     ],
 )
-def test_pipe_gets_colour_on_demand_only(
-    arguments: list[str], environment: dict[str, str], cli: Run
-) -> None:
+def test_pipe_gets_colour_on_demand_only(arguments, environment, cli):
     words = ["msg", "show", "Nope"]
     assert "\x1b" not in cli(*words).err
     assert cli(*words, *arguments, env=environment).err.startswith("\x1b[1;31m")
@@ -188,13 +166,8 @@ def test_pipe_gets_colour_on_demand_only(
 
 @pytest.mark.usefixtures("private_network")  # programs on other buses would be named
 def test_wtf_colours_the_severity_and_nothing_else(
-    on_terminal: Callable[..., str],
-    cli: Run,
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    wait_until: Callable[..., None],
-) -> None:
+    on_terminal, cli, start, lcmtools_path, bus_url, wait_until
+):
     start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=bus_url)
     wait_until(lambda: cli("node", "list", env={"LCM_DEFAULT_URL": bus_url}).out == "/listener\n")
     wtf = ("wtf", "--wait", "100ms", "--ignore", "other-buses")  # where other tests run meanwhile
@@ -207,8 +180,8 @@ def test_wtf_colours_the_severity_and_nothing_else(
 
 
 def test_warning_of_a_node_is_yellow_on_a_terminal_and_plain_in_a_pipe(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+    start, lcmtools_path, bus_url
+):
     words = (lcmtools_path, "run", "talker", "--domain", "3", "--lcm-url", bus_url)
     plain = start(*words)
     assert plain.wait_for("has no effect").startswith("[WARN] [")

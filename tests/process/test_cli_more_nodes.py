@@ -2,13 +2,9 @@
 
 import json
 import socket
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line
-
-Run = Callable[..., Any]
 
 HOST = socket.gethostname()
 
@@ -29,13 +25,7 @@ while True:
 
 
 @pytest.fixture
-def nodes(
-    bus_url: str,
-    start: Callable[..., Any],
-    start_python: Callable[..., Any],
-    lcmtools_path: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def nodes(bus_url, start, start_python, lcmtools_path, monkeypatch):
     """A talker, a listener and the far node."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     start_python(_ELSEWHERE).wait_for("announced")
@@ -45,7 +35,7 @@ def nodes(
 
 
 @pytest.mark.usefixtures("nodes")
-def test_node_machine_lists_the_computers_and_the_nodes_of_one(cli: Run) -> None:
+def test_node_machine_lists_the_computers_and_the_nodes_of_one(cli):
     result = cli("node", "machine")
     hosts = sorted(["far-computer", HOST])
     assert (result.code, result.out.splitlines(), result.err) == (0, hosts, "")
@@ -65,7 +55,7 @@ def test_node_machine_lists_the_computers_and_the_nodes_of_one(cli: Run) -> None
     assert_line(unknown.err, "lcmtools node machine: no node", *parts)
 
 
-def test_node_machine_where_no_node_is_says_so_on_standard_error(cli: Run, bus_url: str) -> None:
+def test_node_machine_where_no_node_is_says_so_on_standard_error(cli, bus_url):
     result = cli("node", "machine", "--lcm-url", bus_url)
     assert (result.code, result.out) == (0, "")
     assert result.err == f"no nodes on {bus_url}\n"

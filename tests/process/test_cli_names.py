@@ -1,19 +1,16 @@
 """Namespaces, remaps and patterns mean the same to commands that look as to nodes."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
 from lcmtools.labs.nodes.talker import Talker
 
-Run = Callable[..., Any]
 NAMESPACE = ("__ns:=/a", "--ns=a")
 
 
 @pytest.fixture(autouse=True)
-def _talkers(bus_url: str, start_node: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+def _talkers(bus_url, start_node, monkeypatch):
     """A talker in the namespace /a, and one in /b/c."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     for namespace in ("/a", "/b/c"):
@@ -21,7 +18,7 @@ def _talkers(bus_url: str, start_node: Callable[..., Any], monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize("namespace", NAMESPACE)
-def test_a_relative_name_is_read_in_the_namespace(cli: Run, namespace: str) -> None:
+def test_a_relative_name_is_read_in_the_namespace(cli, namespace):
     for verb in ("echo", "hz", "bw"):
         assert cli(verb, "chatter", namespace, "-n", "1", "--timeout", "10s").code == 0
     for verb in ("type", "info", "list"):
@@ -35,20 +32,20 @@ def test_a_relative_name_is_read_in_the_namespace(cli: Run, namespace: str) -> N
 
 
 @pytest.mark.parametrize("remap", ["news:=/a/chatter", "--remap=/news:=a/chatter"])
-def test_a_remapped_name_is_looked_at_in_place_of_another(cli: Run, remap: str) -> None:
+def test_a_remapped_name_is_looked_at_in_place_of_another(cli, remap):
     assert "hello" in cli("echo", "news/data", remap, "-n", "1", "--timeout", "10s").ok()
     assert json.loads(cli("hz", "news", remap, "-n", "1", "--json").out)["topic"] == "news"
     assert cli("type", "/news", remap).ok() == "std_msgs/String\n"
     assert cli("list", "news", remap).ok() == "/a/chatter\n"
 
 
-def test_what_is_said_to_nodes_only_is_refused(cli: Run) -> None:
+def test_what_is_said_to_nodes_only_is_refused(cli):
     for word in ("_gain:=2", "__name:=x", "__what:=x"):
         result = cli("echo", "/a/chatter", word)
         assert (result.code, word in result.err) == (2, True)
 
 
-def test_after_two_dashes_nothing_is_a_remap(cli: Run) -> None:
+def test_after_two_dashes_nothing_is_a_remap(cli):
     assert "no topics in a:=b" in cli("list", "--", "a:=b").err
 
 
@@ -56,7 +53,7 @@ def test_after_two_dashes_nothing_is_a_remap(cli: Run) -> None:
     ("pattern", "topics"),
     [("/*/chatter", "/a/chatter\n"), ("/**/chatter", "/a/chatter\n/b/c/chatter\n")],
 )
-def test_a_pattern_has_one_meaning_in_all_commands(cli: Run, pattern: str, topics: str) -> None:
+def test_a_pattern_has_one_meaning_in_all_commands(cli, pattern, topics):
     assert cli("list", pattern).ok() == topics
     echoed = cli("echo", pattern, "-n", "40", "--json", "--timeout", "10s").out
     assert ("/b/c/chatter" in echoed) == ("/b/c/chatter" in topics)

@@ -1,15 +1,8 @@
 """Where multicast does not work, everything says so at once; liblcm would freeze for 10 s."""
 
 import subprocess
-from collections.abc import Callable, Sequence
-from typing import Any
 
 import pytest
-from fixtures.command import Result
-
-Run = Callable[..., Result]
-Outcome = tuple[int, str, str]
-Timed = Callable[..., tuple[float, Outcome]]
 
 REMEDY = "type: sudo ip link set lo up multicast on && sudo ip route add 224.0.0.0/4 dev lo"
 LINE = f"no multicast route to 239.255.76.67:7667; {REMEDY}"
@@ -18,13 +11,13 @@ pytestmark = pytest.mark.usefixtures("bare_network")
 
 
 @pytest.fixture
-def timed(lcmtools_path: str, stopwatch: Callable[[int], Any]) -> Timed:
+def timed(lcmtools_path, stopwatch):
     """``timed("list")``: the seconds that it takes, its exit code and what it writes.
 
     Of three attempts the fastest: a computer may be slow for other reasons than no processor.
     """
 
-    def run_once(arguments: Sequence[str]) -> tuple[float, Outcome]:
+    def run_once(arguments):
         pipe = subprocess.PIPE
         process = subprocess.Popen(
             [lcmtools_path, *arguments], stdin=pipe, stdout=pipe, stderr=pipe, text=True
@@ -33,7 +26,7 @@ def timed(lcmtools_path: str, stopwatch: Callable[[int], Any]) -> Timed:
         out, error = process.communicate()
         return seconds, (process.returncode, out, error)
 
-    def run(*arguments: str) -> tuple[float, Outcome]:
+    def run(*arguments):
         best = run_once(arguments)
         for _ in range(2):
             if best[0] >= 1.0:
@@ -59,7 +52,7 @@ def timed(lcmtools_path: str, stopwatch: Callable[[int], Any]) -> Timed:
         "topic list",
     ],
 )
-def test_command_says_what_to_type_in_under_a_second(command: str, timed: Timed) -> None:
+def test_command_says_what_to_type_in_under_a_second(command, timed):
     seconds, result = timed(*command.split())
     name = command.removesuffix(" a").removesuffix(" a std_msgs/String x")
     assert result == (1, "", f"lcmtools {name}: {LINE}\n")
@@ -70,13 +63,13 @@ def test_command_says_what_to_type_in_under_a_second(command: str, timed: Timed)
     "node",
     ["talker", "listener", "moving_robot", "simple_controller", "evaluate_controller", "sim"],
 )
-def test_node_says_what_to_type_in_under_a_second(node: str, timed: Timed) -> None:
+def test_node_says_what_to_type_in_under_a_second(node, timed):
     seconds, result = timed("run", node)
     assert result == (1, "", f"lcmtools run {node}: {LINE}\n")
     assert seconds < 1.0
 
 
-def test_wtf_finds_the_missing_route_in_under_a_second(timed: Timed) -> None:
+def test_wtf_finds_the_missing_route_in_under_a_second(timed):
     seconds, (code, out, error) = timed("wtf")
     assert (code, error) == (2, "")
     assert out.splitlines()[:4] == [
@@ -89,7 +82,7 @@ def test_wtf_finds_the_missing_route_in_under_a_second(timed: Timed) -> None:
     assert seconds < 1.0
 
 
-def test_what_needs_no_bus_works(cli: Run) -> None:
+def test_what_needs_no_bus_works(cli):
     for command in (
         "--help",
         "msg list",
@@ -101,7 +94,7 @@ def test_what_needs_no_bus_works(cli: Run) -> None:
         assert (result.code, result.err) == (0, "")
 
 
-def test_remedy_is_one_that_works(cli: Run) -> None:
+def test_remedy_is_one_that_works(cli):
     for command in REMEDY.removeprefix("type: ").replace("sudo ", "").split(" && "):
         subprocess.run(command.split(), check=True)
     assert cli("list").code == 0

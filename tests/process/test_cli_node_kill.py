@@ -54,7 +54,7 @@ lcmtools.shutdown()
 """
 
 
-def test_a_node_ends_with_exit_code_0_and_a_goodbye(node: Callable[..., Any], cli: Run) -> None:
+def test_a_node_ends_with_exit_code_0_and_a_goodbye(node, cli):
     talker = node("talker")
     result = cli("node", "kill", "talker")
     assert (result.code, result.out) == (0, "killing /talker\nkilled\n")
@@ -64,16 +64,14 @@ def test_a_node_ends_with_exit_code_0_and_a_goodbye(node: Callable[..., Any], cl
     assert cli("node", "list").out == ""
 
 
-def test_a_node_that_does_not_spin_hears_it_too(start_python: Callable[..., Any], cli: Run) -> None:
+def test_a_node_that_does_not_spin_hears_it_too(start_python, cli):
     program = start_python(_WITHOUT_SPIN)
     program.wait_for("ready")
     assert cli("node", "kill", "loops").code == 0
     assert program.wait() == 0
 
 
-def test_all_nodes_of_a_process_end_and_that_is_said(
-    start_python: Callable[..., Any], cli: Run
-) -> None:
+def test_all_nodes_of_a_process_end_and_that_is_said(start_python, cli):
     program = start_python(_TWO)
     program.wait_for("ready")
     result = cli("node", "kill", "/one")
@@ -83,9 +81,7 @@ def test_all_nodes_of_a_process_end_and_that_is_said(
     program.wait_for("ended in order")
 
 
-def test_a_node_that_hangs_is_exit_code_1_with_what_to_type(
-    start_python: Callable[..., Any], node: Callable[..., Any], cli: Run
-) -> None:
+def test_a_node_that_hangs_is_exit_code_1_with_what_to_type(start_python, node, cli):
     hangs = start_python(_HANGS)
     hangs.wait_for("ready")
     talker = node("talker")
@@ -97,7 +93,7 @@ def test_a_node_that_hangs_is_exit_code_1_with_what_to_type(
     assert talker.wait() == 0
 
 
-def test_a_node_that_is_stopped_does_not_answer(node: Callable[..., Any], cli: Run) -> None:
+def test_a_node_that_is_stopped_does_not_answer(node, cli):
     talker = node("talker")
     talker.send_signal(signal.SIGSTOP)
     result = cli("node", "kill", "--timeout", "300ms", "--json", "talker")
@@ -108,7 +104,7 @@ def test_a_node_that_is_stopped_does_not_answer(node: Callable[..., Any], cli: R
     assert_line(result.err, "lcmtools node kill: ", *parts)
 
 
-def test_a_node_that_was_killed_is_not_waited_for(node: Callable[..., Any], cli: Run) -> None:
+def test_a_node_that_was_killed_is_not_waited_for(node, cli):
     talker = node("talker")
     talker.send_signal(signal.SIGKILL)
     talker.wait()
@@ -117,7 +113,7 @@ def test_a_node_that_was_killed_is_not_waited_for(node: Callable[..., Any], cli:
     assert_says(result.err, "/talker ended without saying goodbye; ", "lcmtools node cleanup")
 
 
-def test_of_two_equal_names_the_pid_tells_which(node: Callable[..., Any], cli: Run) -> None:
+def test_of_two_equal_names_the_pid_tells_which(node, cli):
     first, second = node("talker"), node("talker")
     result = cli("node", "kill", "talker")
     assert (result.code, result.out) == (1, "")
@@ -129,18 +125,14 @@ def test_of_two_equal_names_the_pid_tells_which(node: Callable[..., Any], cli: R
     assert left["pid"] == first.pid
 
 
-def test_nothing_is_killed_where_one_of_the_names_is_unknown(
-    node: Callable[..., Any], cli: Run, wait_until: Callable[..., None]
-) -> None:
+def test_nothing_is_killed_where_one_of_the_names_is_unknown(node, cli, wait_until):
     node("talker")
     result = cli("node", "kill", "talker", "listner")
     assert (result.code, result.out) == (1, "")
     wait_until(lambda: cli("node", "list").out == "/talker\n")
 
 
-def test_a_command_that_listens_ends_as_by_sigterm(
-    start: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
-) -> None:
+def test_a_command_that_listens_ends_as_by_sigterm(start, cli, lcmtools_path, wait_until):
     echo = start(lcmtools_path, "echo", "/chatter")
     name = f"_lcmtools_echo_{echo.pid}"
     wait_until(lambda: name in cli("node", "list", "-a").out)
@@ -148,9 +140,7 @@ def test_a_command_that_listens_ends_as_by_sigterm(
     assert echo.wait() == 143
 
 
-def test_a_program_that_is_no_node_is_left_alone(
-    start: Callable[..., Any], cli: Run, lcm_program: Callable[[str], str]
-) -> None:
+def test_a_program_that_is_no_node_is_left_alone(start, cli, lcm_program):
     source = start(lcm_program("lcm-source"), "-m", "EXAMPLE")
     for word in ("lcm-source", str(source.pid)):
         result = cli("node", "kill", word)
@@ -161,7 +151,7 @@ def test_a_program_that_is_no_node_is_left_alone(
     os.kill(source.pid, 0)
 
 
-def test_all_needs_yes_without_a_terminal(node: Callable[..., Any], cli: Run) -> None:
+def test_all_needs_yes_without_a_terminal(node, cli):
     talker, listener = node("talker"), node("listener")
     result = cli("node", "kill", "--all")
     assert (result.code, result.out) == (2, "")
@@ -175,15 +165,7 @@ def test_all_needs_yes_without_a_terminal(node: Callable[..., Any], cli: Run) ->
 
 
 @pytest.mark.parametrize(("typed", "is_killed"), [("y\n", True), ("n\n", False), ("\x04", False)])
-def test_all_asks_a_person(
-    typed: str,
-    *,
-    is_killed: bool,
-    node: Callable[..., Any],
-    cli: Run,
-    lcmtools_path: str,
-    wait_until: Callable[..., None],
-) -> None:
+def test_all_asks_a_person(typed, *, is_killed, node, cli, lcmtools_path, wait_until):
     node("talker")
     text = _at_a_terminal([lcmtools_path, "node", "kill", "--all"], typed)
     assert " * /talker" in text
@@ -191,9 +173,7 @@ def test_all_asks_a_person(
     wait_until(lambda: cli("node", "list").out == ("" if is_killed else "/talker\n"))
 
 
-def test_without_a_name_a_person_chooses_from_a_list(
-    node: Callable[..., Any], cli: Run, lcmtools_path: str, wait_until: Callable[..., None]
-) -> None:
+def test_without_a_name_a_person_chooses_from_a_list(node, cli, lcmtools_path, wait_until):
     node("talker")
     node("listener")
     text = _at_a_terminal([lcmtools_path, "node", "kill"], "2\n")
@@ -201,7 +181,7 @@ def test_without_a_name_a_person_chooses_from_a_list(
     wait_until(lambda: cli("node", "list").out == "/listener\n")
 
 
-def _at_a_terminal(command: list[str], typed: str) -> str:
+def _at_a_terminal(command, typed):
     """Run a command at a terminal of its own and type something; what is on the screen then."""
     pid, terminal = pty.fork()
     if pid == 0:  # pragma: no cover - another process

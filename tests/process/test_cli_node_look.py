@@ -6,13 +6,10 @@ import re
 import signal
 import socket
 import sys
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
 
-Run = Callable[..., Any]
 HOST = socket.gethostname()
 
 _LISTENER = """
@@ -26,7 +23,7 @@ while True:
 
 
 @pytest.fixture(scope="module")
-def programs(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, Any]:
+def programs(module_start, lcmtools_path):
     """A talker, a listener in a namespace, lcm-source, and a script that only listens."""
     import sysconfig
 
@@ -45,7 +42,7 @@ def programs(module_start: Callable[..., Any], lcmtools_path: str) -> dict[str, 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "programs")
 
 
-def test_the_plain_list_is_names_only(cli: Run) -> None:
+def test_the_plain_list_is_names_only(cli):
     assert cli("node", "list").out == "/r/listener\n/talker\n"
     assert cli("node", "list", "-c").out == "2\n"
 
@@ -54,13 +51,11 @@ def test_the_plain_list_is_names_only(cli: Run) -> None:
     ("wanted", "names"),
     [("/r", ["/r/listener"]), ("*alk*", ["/talker"]), ("list*", ["/r/listener"]), ("/z*", [])],
 )
-def test_a_namespace_or_a_pattern_keeps_some(wanted: str, names: list[str], cli: Run) -> None:
+def test_a_namespace_or_a_pattern_keeps_some(wanted, names, cli):
     assert cli("node", "list", wanted).out.splitlines() == names
 
 
-def test_all_shows_host_pid_and_up_time_in_rosnodes_order(
-    cli: Run, programs: dict[str, Any]
-) -> None:
+def test_all_shows_host_pid_and_up_time_in_rosnodes_order(cli, programs):
     nodes, _, _ = cli("node", "list", "-a").out.partition("\n\n")
     rows = [row for row in nodes.splitlines() if "_lcmtools" not in row]
     expected = [("/r/listener", programs["listener"].pid), ("/talker", programs["talker"].pid)]
@@ -68,9 +63,7 @@ def test_all_shows_host_pid_and_up_time_in_rosnodes_order(
         assert re.fullmatch(rf"{re.escape(HOST)}:{pid} \t{name}\tup [\d.]+ (s|min)", row)
 
 
-def test_all_shows_programs_that_are_no_nodes_under_a_heading(
-    cli: Run, programs: dict[str, Any]
-) -> None:
+def test_all_shows_programs_that_are_no_nodes_under_a_heading(cli, programs):
     _, _, others = cli("node", "list", "-a").out.partition("\n\n")
     assert_says(others.partition("\n")[0], "not nodes", "bus")
     source, plain = programs["source"].pid, programs["plain"].pid
@@ -81,7 +74,7 @@ def test_all_shows_programs_that_are_no_nodes_under_a_heading(
     assert re.search(rf"{HOST}:{plain} \t.*\n\tlistens( \(\d+ datagrams .*\))?\n", others)
 
 
-def test_json_marks_them_as_observed(cli: Run, programs: dict[str, Any]) -> None:
+def test_json_marks_them_as_observed(cli, programs):
     records = json.loads(cli("node", "list", "-a", "--json").out)
     observed = {record["pid"]: record for record in records if record.get("observed")}
     assert observed.keys() == {programs["source"].pid, programs["plain"].pid}
@@ -90,15 +83,13 @@ def test_json_marks_them_as_observed(cli: Run, programs: dict[str, Any]) -> None
     assert (source["listens"], observed[programs["plain"].pid]["listens"]) == (False, True)
 
 
-def test_uri_prints_an_address_for_each_node(cli: Run) -> None:
+def test_uri_prints_an_address_for_each_node(cli):
     rows = cli("node", "list", "-u").out.splitlines()
     assert len(rows) == 2
     assert all(re.fullmatch(r"udp://[\d.]+:\d+/", row) for row in rows)
 
 
-def test_info_finds_a_program_by_its_pid_and_its_command(
-    cli: Run, programs: dict[str, Any]
-) -> None:
+def test_info_finds_a_program_by_its_pid_and_its_command(cli, programs):
     pid = programs["source"].pid
     for word in ("lcm-source", str(pid), f"{HOST}:{pid}"):
         result = cli("node", "info", word)
@@ -110,28 +101,28 @@ def test_info_finds_a_program_by_its_pid_and_its_command(
     assert (record["observed"], record["pid"]) == (True, pid)
 
 
-def test_info_shows_how_a_programs_listening_fares(cli: Run, programs: dict[str, Any]) -> None:
+def test_info_shows_how_a_programs_listening_fares(cli, programs):
     text = cli("node", "info", str(programs["plain"].pid)).out
     assert re.search(r"^Buffer: \d+ kB of \d+ kB wait, \d+ datagrams dropped", text, re.MULTILINE)
     assert "Buffer" not in cli("node", "info", str(programs["source"].pid)).out
 
 
-def test_info_finds_a_node_by_its_pid(cli: Run, programs: dict[str, Any]) -> None:
+def test_info_finds_a_node_by_its_pid(cli, programs):
     assert "Node [/talker]\n" in cli("node", "info", str(programs["talker"].pid)).out
 
 
-def test_quiet_info_stops_after_the_services(cli: Run) -> None:
+def test_quiet_info_stops_after_the_services(cli):
     text = cli("node", "info", "-q", "talker").out
     assert text.endswith("Services: None\n\n\n")
     assert "Pid" not in text
 
 
-def test_hidden_services_are_shown_when_asked_for(cli: Run) -> None:
+def test_hidden_services_are_shown_when_asked_for(cli):
     assert "/talker/_" not in cli("node", "info", "talker").out
     assert " * /talker/_" in cli("node", "info", "-a", "talker").out
 
 
-def test_info_json_has_process_counters_and_peers(cli: Run, programs: dict[str, Any]) -> None:
+def test_info_json_has_process_counters_and_peers(cli, programs):
     (record,) = json.loads(cli("node", "info", "--json", "talker").out)
     chatter = next(end for end in record["publications"] if end["topic"] == "/chatter")
     assert chatter["messages"] > 0
@@ -141,7 +132,7 @@ def test_info_json_has_process_counters_and_peers(cli: Run, programs: dict[str, 
     assert record["up_time"] > 0
 
 
-def test_ping_all_pings_every_node_once_and_sums_up(cli: Run) -> None:
+def test_ping_all_pings_every_node_once_and_sums_up(cli):
     result = cli("node", "ping", "-a")
     assert (result.code, result.err) == (0, "")
     head, rest = result.out.split("\n\n")
@@ -152,7 +143,7 @@ def test_ping_all_pings_every_node_once_and_sums_up(cli: Run) -> None:
     assert "\n2 of 2 nodes answered\nping average: " in rest
 
 
-def test_ping_sums_up_on_ctrl_c(start: Callable[..., Any], lcmtools_path: str) -> None:
+def test_ping_sums_up_on_ctrl_c(start, lcmtools_path):
     ping = start(lcmtools_path, "node", "ping", "talker")
     ping.wait_for("reply")
     ping.wait_for("reply")
@@ -162,13 +153,11 @@ def test_ping_sums_up_on_ctrl_c(start: Callable[..., Any], lcmtools_path: str) -
     assert ping.lines[-1].startswith("shortest: ")
 
 
-def test_machine_takes_localhost_for_this_computer(cli: Run) -> None:
+def test_machine_takes_localhost_for_this_computer(cli):
     assert cli("node", "machine", "localhost").out == "/r/listener\n/talker\n"
 
 
-def test_ping_all_goes_on_after_a_node_that_does_not_answer(
-    cli: Run, programs: dict[str, Any]
-) -> None:
+def test_ping_all_goes_on_after_a_node_that_does_not_answer(cli, programs):
     programs["listener"].send_signal(signal.SIGSTOP)
     try:
         result = cli("node", "ping", "-a", "--timeout", "300ms")

@@ -3,9 +3,7 @@
 import json
 import signal
 import threading
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line, assert_says
@@ -17,9 +15,6 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import JointState
 
-Cli = Callable[..., Any]
-Start = Callable[..., Any]
-
 DUMP = """\
 /husky0/driver:
   gain: 1.0
@@ -30,7 +25,7 @@ DUMP = """\
 """
 
 
-def make_driver() -> Node:
+def make_driver():
     """A node with parameters."""
     node = Node("driver")
     node.declare_parameter("gain", 1.0, "effort [N]", minimum=-10.0, maximum=10.0)
@@ -38,7 +33,7 @@ def make_driver() -> Node:
     node.declare_parameter("steps", [1, 2])
     node.declare_parameter("pid.kp", 0.5)
 
-    def check(parameters: Any) -> SetParametersResult | None:
+    def check(parameters):
         if any(p.name == "name" and p.value == "eve" for p in parameters):
             return SetParametersResult(successful=False, reason="eve may not drive")
         return None
@@ -48,14 +43,14 @@ def make_driver() -> Node:
 
 
 @pytest.fixture
-def driver(bus_url: str, start_node: Start, monkeypatch: pytest.MonkeyPatch) -> Any:
+def driver(bus_url, start_node, monkeypatch):
     """A node with parameters on a bus of the test's own."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     return start_node(make_driver, "__ns:=/husky0")
 
 
 @pytest.mark.usefixtures("driver")
-def test_list_and_get_take_both_spellings(cli: Cli) -> None:
+def test_list_and_get_take_both_spellings(cli):
     names = ["gain", "name", "pid.kp", "steps", "use_sim_time"]
     full = [f"/husky0/driver/{name}" for name in names]
     for words in ([], ["driver"], ["/husky0/driver"], ["/husky0"]):
@@ -93,7 +88,7 @@ def test_list_and_get_take_both_spellings(cli: Cli) -> None:
         (["driver", "{gain: 3, name: ann}"], "name", "ann"),
     ],
 )
-def test_set_changes_a_parameter(cli: Cli, words: list[str], name: str, value: str) -> None:
+def test_set_changes_a_parameter(cli, words, name, value):
     done = cli("param", "set", *words)
     assert (done.code, done.out) == (0, "")
     assert f"/husky0/driver/{name} is now {value}\n" in done.err
@@ -119,9 +114,7 @@ def test_set_changes_a_parameter(cli: Cli, words: list[str], name: str, value: s
         (["{pid: {kq: 2}}"], "/husky0/driver has no parameter 'pid/kq'; did you mean pid.kp?"),
     ],
 )
-def test_what_a_node_refuses_is_said_and_changes_nothing(
-    cli: Cli, words: list[str], line: str
-) -> None:
+def test_what_a_node_refuses_is_said_and_changes_nothing(cli, words, line):
     done = cli("param", "set", "driver", *words)
     assert (done.code, done.out) == (1, "")
     assert done.err == f"lcmtools param set: {line}\n"
@@ -129,7 +122,7 @@ def test_what_a_node_refuses_is_said_and_changes_nothing(
 
 
 @pytest.mark.usefixtures("driver")
-def test_set_takes_nested_names_as_load_does(cli: Cli) -> None:
+def test_set_takes_nested_names_as_load_does(cli):
     said = cli("param", "set", "driver", "{gain: 2, pid: {kp: 3}}").err
     gain, kp = said.splitlines()
     assert_says(gain, "/husky0/driver/gain", "2.0")
@@ -137,7 +130,7 @@ def test_set_takes_nested_names_as_load_does(cli: Cli) -> None:
 
 
 @pytest.mark.usefixtures("driver")
-def test_load_takes_back_what_dump_writes(cli: Cli, tmp_path: Path) -> None:
+def test_load_takes_back_what_dump_writes(cli, tmp_path):
     file = str(tmp_path / "all.yaml")
     assert cli("param", "dump", file, "driver").out == ""
     assert Path(file).read_text() == DUMP
@@ -161,9 +154,7 @@ def test_load_takes_back_what_dump_writes(cli: Cli, tmp_path: Path) -> None:
         ("driver: {gain: 4, pid.kp: 2}\n", []),
     ],
 )
-def test_load_takes_the_files_of_rosparam_and_ros2(
-    cli: Cli, tmp_path: Path, text: str, words: list[str]
-) -> None:
+def test_load_takes_the_files_of_rosparam_and_ros2(cli, tmp_path, text, words):
     file = tmp_path / "gains.yaml"
     file.write_text(text)
     done = cli("param", "load", str(file), *words)
@@ -197,9 +188,7 @@ def test_load_takes_the_files_of_rosparam_and_ros2(
         ("gain: 2\n", 1, "1: 'gain' is for no node; write the node after the file"),
     ],
 )
-def test_load_names_the_line_of_what_is_wrong_and_sets_nothing(
-    cli: Cli, tmp_path: Path, text: str, code: int, line: str
-) -> None:
+def test_load_names_the_line_of_what_is_wrong_and_sets_nothing(cli, tmp_path, text, code, line):
     (tmp_path / "gains.yaml").write_text(text)
     file = str(tmp_path / "gains.yaml")
     done = cli("param", "load", file)
@@ -209,7 +198,7 @@ def test_load_names_the_line_of_what_is_wrong_and_sets_nothing(
 
 
 @pytest.mark.usefixtures("driver")
-def test_describe_says_type_meaning_and_range(cli: Cli) -> None:
+def test_describe_says_type_meaning_and_range(cli):
     assert cli("param", "describe", "driver", "gain").out.splitlines() == [
         "Parameter: /husky0/driver/gain",
         "  Type: float",
@@ -230,9 +219,7 @@ lcmtools.spin(node)
 
 
 @pytest.mark.usefixtures("driver")
-def test_a_node_that_hangs_costs_exit_code_4_and_the_others_are_listed(
-    cli: Cli, start_python: Start
-) -> None:
+def test_a_node_that_hangs_costs_exit_code_4_and_the_others_are_listed(cli, start_python):
     hanging = start_python(HANGING)
     hanging.wait_for("ready")
     hanging.send_signal(signal.SIGSTOP)
@@ -244,19 +231,17 @@ def test_a_node_that_hangs_costs_exit_code_4_and_the_others_are_listed(
 
 
 @pytest.mark.usefixtures("driver")
-def test_the_controller_follows_a_changed_gain(
-    cli: Cli, start_node: Start, wait_until: Callable[..., None]
-) -> None:
-    efforts: list[list[float]] = []
+def test_the_controller_follows_a_changed_gain(cli, start_node, wait_until):
+    efforts = []
 
-    def robot() -> Node:
+    def robot():
         node = Node("robot")
         odometry = node.create_publisher(Odometry, "/odometry")
         desired = node.create_publisher(Twist, "/desired_velocity")
         wanted = Twist()
         wanted.linear.x = 0.5
 
-        def move() -> None:
+        def move():
             odometry.publish(Odometry())
             desired.publish(wanted)
 
@@ -276,16 +261,14 @@ def test_the_controller_follows_a_changed_gain(
 
 
 @pytest.mark.usefixtures("driver")
-def test_node_info_shows_parameters_and_says_who_did_not_answer(
-    cli: Cli, start_node: Start
-) -> None:
+def test_node_info_shows_parameters_and_says_who_did_not_answer(cli, start_node):
     assert "Parameters: \n * gain: 1.0\n * name: bob\n" in cli("node", "info", "driver").out
     (record,) = json.loads(cli("node", "info", "driver", "--json").out)
     assert record["parameters"]["steps"] == [1, 2]
 
     is_blocked, is_over = threading.Event(), threading.Event()
 
-    def busy() -> Node:
+    def busy():
         node = lcmtools.Node("busy")
         node.create_timer(0.001, lambda: is_blocked.set() or is_over.wait())
         return node

@@ -18,12 +18,12 @@ NAMES = ("--deps", "nav_msgs", "geometry_msgs", "--msg", "Stat")
 
 
 @pytest.fixture(autouse=True)
-def _own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
+def _own_cache(monkeypatch, tmp_path_factory):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
 
 
 @pytest.fixture
-def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Run) -> Path:
+def space(tmp_path, monkeypatch, cli):
     """A workspace, which is the current folder, with the package air_lab0."""
     folder = tmp_path / "space"
     folder.mkdir()
@@ -37,9 +37,7 @@ def space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Run) -> Path:
     return folder
 
 
-def test_new_package_runs_without_being_installed(
-    space: Path, start: Callable[..., Any], cli: Run, lcmtools_path: str, bus_url: str
-) -> None:
+def test_new_package_runs_without_being_installed(space, start, cli, lcmtools_path, bus_url):
     words = ["__ns:=/husky0", "odometry:=/other/odometry"]
     shell = ["sh", "-c", f'cd {space} && exec "$0" run air_lab0 simple_controller "$@"']
     node = start(*shell, lcmtools_path, *words, LCM_DEFAULT_URL=bus_url)
@@ -51,9 +49,7 @@ def test_new_package_runs_without_being_installed(
     assert (echo.out, echo.err) == ("count: 0\nperiod: 0.0\n---\n", "")
 
 
-def test_its_script_is_run_by_python_as_well(
-    space: Path, start: Callable[..., Any], cli: Run, bus_url: str
-) -> None:
+def test_its_script_is_run_by_python_as_well(space, start, cli, bus_url):
     script = space / "air_lab0" / "air_lab0" / "simple_controller.py"
     words = ["__ns:=/husky0", "__name:=mine", "odometry:=a"]
     start(sys.executable, str(script), *words, LCM_DEFAULT_URL=bus_url).wait_for("[/husky0/mine]")
@@ -63,9 +59,9 @@ def test_its_script_is_run_by_python_as_well(
 
 
 def test_new_package_is_found_from_a_new_terminal(
-    space: Path, start: Callable[..., Any], lcmtools_path: str, bus_url: str, cli: Run,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    space, start, lcmtools_path, bus_url, cli,
+    monkeypatch
+):  # fmt: skip
     shell = ["sh", "-c", 'cd / && exec "$0" run air_lab0 simple_controller', lcmtools_path]
     node = start(*shell, LCM_DEFAULT_URL=bus_url)
     node.wait_for("[/simple_controller]: 0 messages on odometry so far")
@@ -79,7 +75,7 @@ def test_new_package_is_found_from_a_new_terminal(
     assert_line(both.err, "next: lcmtools run other other_node\n")
 
 
-def test_package_that_is_not_noted_is_found_from_its_workspace(space: Path, cli: Run) -> None:
+def test_package_that_is_not_noted_is_found_from_its_workspace(space, cli):
     made = cli("pkg", "create", "other", "more", env={"LCMTOOLS_PACKAGE_PATH": str(space)})
     reason, following = made.err.splitlines()
     where = f"the package is found only from {space}/more, which is not in LCMTOOLS_PACKAGE_PATH"
@@ -109,9 +105,7 @@ sys.exit(7)
         ("air_lab0/src", "run evaluate_controller.py"),
     ],
 )
-def test_a_script_is_run_by_its_name_or_path(
-    space: Path, lcmtools_path: str, here: str, words: str
-) -> None:
+def test_a_script_is_run_by_its_name_or_path(space, lcmtools_path, here, words):
     script = space / "air_lab0" / "src" / "evaluate_controller.py"
     script.parent.mkdir(exist_ok=True)
     script.write_text(SCRIPT)
@@ -125,7 +119,7 @@ def test_a_script_is_run_by_its_name_or_path(
     assert (done.returncode, done.stdout) == (7, said), done.stderr
 
 
-def test_a_file_that_cannot_be_run_is_named(space: Path, cli: Run) -> None:
+def test_a_file_that_cannot_be_run_is_named(space, cli):
     script = space / "air_lab0" / "src" / "evaluate_controller.py"
     script.parent.mkdir(exist_ok=True)
     script.write_text(SCRIPT)
@@ -139,7 +133,7 @@ def test_a_file_that_cannot_be_run_is_named(space: Path, cli: Run) -> None:
     assert_line(cli("run", "./air_lab0").err, "there is no file './air_lab0'")
 
 
-def test_its_test_passes(space: Path) -> None:
+def test_its_test_passes(space):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"],
         cwd=space / "air_lab0",
@@ -150,12 +144,12 @@ def test_its_test_passes(space: Path) -> None:
     assert (done.returncode, "1 passed" in done.stdout) == (0, True), done.stdout + done.stderr
 
 
-def test_its_launch_file_says_which_node_runs(space: Path, cli: Run) -> None:
+def test_its_launch_file_says_which_node_runs(space, cli):
     shown = cli("launch", str(space / "air_lab0/launch/simple_controller.yaml"), "--nodes")
     assert (shown.code, shown.out) == (0, "/simple_controller\n")
 
 
-def test_messages_are_imported_as_in_ros(space: Path) -> None:
+def test_messages_are_imported_as_in_ros(space):
     source = "from air_lab0.msg import Stat\nprint(Stat().period)\nfrom air_lab0.msg import Stats\n"
     done = subprocess.run(
         [sys.executable, "-c", source],
@@ -170,7 +164,7 @@ def test_messages_are_imported_as_in_ros(space: Path) -> None:
 
 
 @pytest.mark.usefixtures("space")
-def test_packages_and_their_nodes_are_listed(cli: Run) -> None:
+def test_packages_and_their_nodes_are_listed(cli):
     assert cli("run", "air_lab0").out.startswith("simple_controller ")
     assert "\nlistener " in cli("run", "--list").out
     names = json.loads(cli("run", "--list", "--json").out)
@@ -185,7 +179,7 @@ def test_packages_and_their_nodes_are_listed(cli: Run) -> None:
 
 
 @pytest.mark.usefixtures("space")
-def test_build_says_what_was_made_and_what_is_wrong(space: Path, cli: Run) -> None:
+def test_build_says_what_was_made_and_what_is_wrong(space, cli):
     file = "air_lab0/air_lab0/msg/Stat.lcm"
     made = cli("pkg", "build")
     assert made.out == f"air_lab0/Stat  {file}\n"
@@ -221,8 +215,8 @@ def main(args=None):
 
 
 def test_ros_message_files_of_a_package_are_used_as_they_are(
-    space: Path, start: Callable[..., Any], cli: Run, lcmtools_path: str, bus_url: str
-) -> None:
+    space, start, cli, lcmtools_path, bus_url
+):
     root = space / "air_lab0"
     for name, text in (
         (
@@ -278,7 +272,7 @@ ControllerEvaluationStat(error=0.0) False
 
 
 @pytest.mark.parametrize("code", ["package.msg", "folder", "none"])
-def test_a_node_imports_types_as_in_ros(code: str, space: Path, cli: Run) -> None:
+def test_a_node_imports_types_as_in_ros(code, space, cli):
     package = space / "air_lab0"
     (package / "air_lab0" / "simple_controller.py").write_text(IMPORTING)
     (space / "other" / "msg").mkdir(parents=True)
@@ -300,9 +294,7 @@ def test_a_node_imports_types_as_in_ros(code: str, space: Path, cli: Run) -> Non
 @pytest.mark.parametrize(
     "words", ["run air_lab0 evaluate", "run air_lab0/src/evaluate.py", "launch one.yaml"]
 )
-def test_a_script_imports_types_as_in_ros(
-    words: str, first: str, space: Path, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_script_imports_types_as_in_ros(words, first, space, lcmtools_path, monkeypatch):
     monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
     script = space / "air_lab0" / "src" / "evaluate.py"
     script.parent.mkdir(exist_ok=True)
@@ -327,9 +319,7 @@ def test_a_script_imports_types_as_in_ros(
         ("x = 3\nx.y\n", 'evaluate.py", line 2, in <module>'),
     ],
 )
-def test_a_fault_in_a_script_is_shown_where_it_is(
-    source: str, said: str, space: Path, lcmtools_path: str
-) -> None:
+def test_a_fault_in_a_script_is_shown_where_it_is(source, said, space, lcmtools_path):
     (space / "evaluate.py").write_text(source)
     done = _run([lcmtools_path, "run", "./evaluate.py"])
     assert (done.returncode, said in done.stderr) == (1, True), done.stderr
@@ -337,12 +327,12 @@ def test_a_fault_in_a_script_is_shown_where_it_is(
     assert "runpy" not in done.stderr
 
 
-def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+def _run(command):
     """Run a command that becomes another program, which one in this process cannot."""
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
+def test_nothing_is_overwritten(space, cli):
     node = space / "air_lab0" / "air_lab0" / "simple_controller.py"
     node.write_text("mine\n")
     again = cli(*CREATE)
@@ -370,9 +360,7 @@ def test_nothing_is_overwritten(space: Path, cli: Run) -> None:
         ("import lcmtools.types.nav_msgs.msg\n", ": here it is lcmtools.types.nav_msgs\n"),
     ],
 )
-def test_a_fault_in_ones_own_node_is_shown_where_it_is(
-    source: str, said: str, space: Path, cli: Run
-) -> None:
+def test_a_fault_in_ones_own_node_is_shown_where_it_is(source, said, space, cli):
     (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(source)
     done = cli("run", "air_lab0", "simple_controller")
     assert done.code in (1, 3)
@@ -381,7 +369,7 @@ def test_a_fault_in_ones_own_node_is_shown_where_it_is(
     assert "lcmtools/cli" not in done.err
 
 
-def test_a_broken_package_beside_does_not_matter_until_it_is_meant(space: Path, cli: Run) -> None:
+def test_a_broken_package_beside_does_not_matter_until_it_is_meant(space, cli):
     (space / "other").mkdir()
     (space / "other" / "pyproject.toml").write_text("[tool.lcmtools]\n[project\n")
     assert cli("run", "talker", "--help").code == 0
@@ -391,9 +379,7 @@ def test_a_broken_package_beside_does_not_matter_until_it_is_meant(space: Path, 
     assert_says(wrong.err, f"{space}/other/pyproject.toml:2: ", "not TOML")
 
 
-def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(
-    space: Path, cli: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(space, cli, monkeypatch):
     said = "def main(args=None):\n    print('mine')\n"
     (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(said)
     for folder in (space, space / "air_lab0", space / "air_lab0" / "launch"):
@@ -402,9 +388,7 @@ def test_ones_own_node_runs_in_place_of_lcmtools_own_of_the_same_name(
         assert (done.code, done.out, done.err) == (0, "mine\n", "")
 
 
-def test_lcmtools_own_answer_says_so_when_it_runs(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str, cli: Run
-) -> None:
+def test_lcmtools_own_answer_says_so_when_it_runs(start, lcmtools_path, bus_url, cli):
     assert cli("run", "simple_controller", "--help").err == ""
     started = start(lcmtools_path, "run", "simple_controller", LCM_DEFAULT_URL=bus_url)
     started.wait_for("this is lcmtools' own simple_controller, the lab's model answer")
@@ -421,9 +405,7 @@ def test_lcmtools_own_answer_says_so_when_it_runs(
         ('"air_lab0/simple_controller.py"', "is not a function; write simple_controller = "),
     ],
 )
-def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(
-    space: Path, cli: Run, entry: str, said: str
-) -> None:
+def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(space, cli, entry, said):
     project = space / "air_lab0" / "pyproject.toml"
     right = '"air_lab0.simple_controller:main"'
     project.write_text(project.read_text().replace(right, entry))
@@ -432,7 +414,7 @@ def test_a_broken_entry_point_is_said_and_lcmtools_own_not_taken(
     assert said in done.err
 
 
-def test_a_second_node_is_added_and_runs(space: Path, cli: Run) -> None:
+def test_a_second_node_is_added_and_runs(space, cli):
     done = cli("pkg", "add-node", "evaluator", "--skeleton", "evaluate_controller")
     assert done.code == 0
     assert_line(done.err, "lcmtools run air_lab0 evaluator\n")
@@ -451,9 +433,7 @@ def test_a_second_node_is_added_and_runs(space: Path, cli: Run) -> None:
 
 
 @pytest.mark.parametrize("head", ["def main(args):", "def main():"])
-def test_a_main_function_gets_its_words_with_and_without_a_parameter(
-    space: Path, cli: Run, head: str
-) -> None:
+def test_a_main_function_gets_its_words_with_and_without_a_parameter(space, cli, head):
     words = "args" if "args" in head else "sys.argv[1:]"
     text = f"import sys\n{head}\n    print({words})\n"
     (space / "air_lab0" / "air_lab0" / "simple_controller.py").write_text(text)
@@ -473,10 +453,8 @@ def test_a_main_function_gets_its_words_with_and_without_a_parameter(
     ],
 )
 @pytest.mark.usefixtures("space")
-def test_packages_are_completed(
-    line: str, answer: str, lcmtools_process: Run, bus_url: str, wait_until: Callable[..., None]
-) -> None:
-    def is_completed() -> bool:
+def test_packages_are_completed(line, answer, lcmtools_process, bus_url, wait_until):
+    def is_completed():
         asked = lcmtools_process(line, _LCMTOOLS_COMPLETE="bash", LCM_DEFAULT_URL=bus_url)
         assert asked.stderr == ""
         return answer in asked.stdout.split()

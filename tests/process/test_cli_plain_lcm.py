@@ -4,15 +4,10 @@ import json
 import re
 import sys
 import sysconfig
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line, assert_says
-
-Run = Callable[..., Result]
 
 # The program itself, and not the wrapper on the PATH: a signal to that ends the wrapper only.
 SOURCE = str(Path(sysconfig.get_path("purelib")) / "bin" / "lcm-source")
@@ -38,9 +33,7 @@ on_the_modules_bus = pytest.mark.usefixtures("use_module_bus", "programs")
 
 
 @pytest.fixture(scope="module")
-def programs(
-    module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, Any]:
+def programs(module_start, tmp_path_factory):
     """Publishers on EXAMPLE (100 Hz), SLOW (1.1 Hz) and three channels of a script (20 Hz)."""
     script = tmp_path_factory.mktemp("plain") / "plain.py"
     script.write_text(_PLAIN)
@@ -54,14 +47,14 @@ def programs(
 
 
 @on_the_modules_bus
-def test_list_shows_their_channels_slow_ones_too(cli: Run) -> None:
+def test_list_shows_their_channels_slow_ones_too(cli):
     result = cli("list")
     assert result.out.splitlines() == ["EMPTY", "EXAMPLE", "NOISE", "POSE", "SLOW"]
     assert (result.code, result.err) == (0, "")
 
 
 @on_the_modules_bus
-def test_list_does_not_call_what_it_cannot_know_by_a_type(cli: Run) -> None:
+def test_list_does_not_call_what_it_cannot_know_by_a_type(cli):
     types = dict(line.split(" ", 1) for line in cli("list", "-t").out.splitlines())
     assert types["EXAMPLE"] == "[unknown type]"
     assert types["EMPTY"] == "[unknown type]"
@@ -69,13 +62,13 @@ def test_list_does_not_call_what_it_cannot_know_by_a_type(cli: Run) -> None:
 
 
 @on_the_modules_bus
-def test_list_v_counts_them_as_publishers(cli: Run) -> None:
+def test_list_v_counts_them_as_publishers(cli):
     rows = cli("list", "-v").out.splitlines()
     assert " * EXAMPLE [unknown type] 1 publisher" in rows
 
 
 @on_the_modules_bus
-def test_info_names_the_process_behind_the_channel(cli: Run, programs: dict[str, Any]) -> None:
+def test_info_names_the_process_behind_the_channel(cli, programs):
     rows = cli("info", "EXAMPLE").out.splitlines()
     program = rows[rows.index("Publishers: ") + 1]
     assert re.fullmatch(
@@ -87,7 +80,7 @@ def test_info_names_the_process_behind_the_channel(cli: Run, programs: dict[str,
 
 
 @on_the_modules_bus
-def test_info_of_a_known_type_names_all_that_it_may_be(cli: Run, programs: dict[str, Any]) -> None:
+def test_info_of_a_known_type_names_all_that_it_may_be(cli, programs):
     rows = cli("info", "POSE").out.splitlines()
     assert rows[:2] == [
         "Type: geometry_msgs/Vector3 (one of 2)",
@@ -97,7 +90,7 @@ def test_info_of_a_known_type_names_all_that_it_may_be(cli: Run, programs: dict[
 
 
 @on_the_modules_bus
-def test_a_program_has_the_same_name_everywhere(cli: Run, programs: dict[str, Any]) -> None:
+def test_a_program_has_the_same_name_everywhere(cli, programs):
     pid = programs["POSE"].pid
     assert f" * plain.py --speed 0.5 (pid {pid}, port " in cli("info", "POSE").out
     assert re.search(rf" plain\.py \(pid {pid}\)", cli("spy", "--once", "POSE").out)
@@ -106,7 +99,7 @@ def test_a_program_has_the_same_name_everywhere(cli: Run, programs: dict[str, An
 
 
 @on_the_modules_bus
-def test_info_json_has_rate_and_sender(cli: Run) -> None:
+def test_info_json_has_rate_and_sender(cli):
     (topic,) = json.loads(cli("info", "--json", "POSE").out)
     (program,) = topic["other_publishers"]
     assert program["rate"] == pytest.approx(20, rel=0.3)
@@ -114,7 +107,7 @@ def test_info_json_has_rate_and_sender(cli: Run) -> None:
 
 
 @on_the_modules_bus
-def test_type_tells_what_the_fingerprint_tells(cli: Run) -> None:
+def test_type_tells_what_the_fingerprint_tells(cli):
     assert cli("type", "POSE").out == "geometry_msgs/Vector3\n"
     result = cli("type", "EMPTY")
     assert (result.code, result.out) == (1, "")
@@ -122,12 +115,12 @@ def test_type_tells_what_the_fingerprint_tells(cli: Run) -> None:
 
 
 @on_the_modules_bus
-def test_echo_decodes_what_has_a_known_fingerprint(cli: Run) -> None:
+def test_echo_decodes_what_has_a_known_fingerprint(cli):
     assert cli("echo", "-1", "POSE").out == "x: 1.5\ny: 0.0\nz: 0.0\n---\n"
 
 
 @on_the_modules_bus
-def test_echo_shows_other_payloads_in_hexadecimal(cli: Run) -> None:
+def test_echo_shows_other_payloads_in_hexadecimal(cli):
     start = bytes(range(64)).hex(" ")
     assert cli("echo", "-1", "NOISE").out == (
         f"# unknown type, fingerprint 0x0001020304050607\nbytes: 200\ndata: '{start} ...'\n---\n"
@@ -138,7 +131,7 @@ def test_echo_shows_other_payloads_in_hexadecimal(cli: Run) -> None:
 
 
 @on_the_modules_bus
-def test_echo_says_once_where_types_are_looked_for(cli: Run, tmp_path: Path) -> None:
+def test_echo_says_once_where_types_are_looked_for(cli, tmp_path):
     before = "lcmtools echo: no type is known for NOISE; "
     result = cli("echo", "-n", "2", "NOISE")
     assert_line(result.err, f"{before}LCMTOOLS_TYPE_PATH=FOLDER", ".lcm files\n")
@@ -149,7 +142,7 @@ def test_echo_says_once_where_types_are_looked_for(cli: Run, tmp_path: Path) -> 
 
 
 @on_the_modules_bus
-def test_echo_json_has_the_whole_payload(cli: Run) -> None:
+def test_echo_json_has_the_whole_payload(cli):
     message = json.loads(cli("echo", "-1", "--json", "NOISE").out)
     assert bytes.fromhex(message["data"]) == bytes(range(200))
     assert message["bytes"] == 200
@@ -157,35 +150,33 @@ def test_echo_json_has_the_whole_payload(cli: Run) -> None:
 
 
 @on_the_modules_bus
-def test_echo_waits_for_a_slow_publisher(cli: Run) -> None:
+def test_echo_waits_for_a_slow_publisher(cli):
     result = cli("echo", "-1", "SLOW")
     assert result.out.splitlines()[1] == "bytes: 100"
 
 
 @on_the_modules_bus
-def test_hz_measures_them(start: Callable[..., Any], lcmtools_path: str) -> None:
+def test_hz_measures_them(start, lcmtools_path):
     hz = start(lcmtools_path, "hz", "POSE")
     rate = float(hz.wait_for("average rate: ").removeprefix("average rate: "))
     assert rate == pytest.approx(20, rel=0.2)
 
 
 @on_the_modules_bus
-def test_wtf_does_not_take_them_for_a_fault(cli: Run) -> None:
+def test_wtf_does_not_take_them_for_a_fault(cli):
     result = cli("wtf", "--wait", "0.3s")
     assert (result.code, result.out.splitlines()[0]) == (0, "No errors or warnings")
 
 
 @on_the_modules_bus
-def test_near_miss_of_a_literal_channel_is_found(cli: Run) -> None:
+def test_near_miss_of_a_literal_channel_is_found(cli):
     result = cli("info", "EXAMPEL")
     assert_line(result.err, "lcmtools info: ", "topic /EXAMPEL; did you mean EXAMPLE?\n")
 
 
 @pytest.mark.parametrize("_time", range(2))
 @pytest.mark.usefixtures("private_network")
-def test_list_waits_for_one_slow_program_alone(
-    _time: int, cli: Run, start: Callable[..., Any]
-) -> None:
+def test_list_waits_for_one_slow_program_alone(_time, cli, start):
     """In a network of its own, where no other program makes list wait; lcm-source is static."""
     start(SOURCE, "-m", "SLOW", "-p", "900000")
     cli("echo", "-1", "SLOW")  # the next one comes long after list has started

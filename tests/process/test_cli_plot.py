@@ -1,21 +1,15 @@
 """plot: fields over time, of a bus and of a log."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import lcm
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line
 
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 
-Run = Callable[..., Result]
-
 
 @pytest.fixture
-def log(tmp_path: Path) -> str:
+def log(tmp_path):
     """The path of a log with a Twist on /cmd each second."""
     path = str(tmp_path / "a.log")
     log = lcm.EventLog(path, "w", overwrite=True)
@@ -27,7 +21,7 @@ def log(tmp_path: Path) -> str:
     return path
 
 
-def test_a_log_is_drawn_as_text(log: str, cli: Run) -> None:
+def test_a_log_is_drawn_as_text(log, cli):
     result = cli("bag", "plot", log, "/cmd/linear.x")
     assert (result.code, result.err) == (0, "")
     assert "/cmd/linear.x" in result.out
@@ -35,7 +29,7 @@ def test_a_log_is_drawn_as_text(log: str, cli: Run) -> None:
     assert "19.0" in result.out
 
 
-def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, cli: Run) -> None:
+def test_a_log_is_drawn_as_a_picture(log, tmp_path, cli):
     picture = tmp_path / "a.svg"
     result = cli("bag", "plot", log, "/cmd/linear", "-o", str(picture))
     assert (result.code, result.out) == (0, "")
@@ -50,28 +44,21 @@ def test_a_log_is_drawn_as_a_picture(log: str, tmp_path: Path, cli: Run) -> None
         ("/cmt/linear.x", "there is nothing on /cmt/linear.x in the log; it has /cmd", 1),
     ],
 )
-def test_what_is_not_in_the_log_is_named(
-    field: str, said: str, code: int, log: str, cli: Run
-) -> None:
+def test_what_is_not_in_the_log_is_named(field, said, code, log, cli):
     result = cli("bag", "plot", log, field)
     assert said in result.err
     assert result.code == code
 
 
 @pytest.fixture
-def _driven(
-    bus_url: str,
-    start: Callable[..., object],
-    lcmtools_path: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def _driven(bus_url, start, lcmtools_path, monkeypatch):
     """A Twist on /cmd at 50 Hz."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     start(lcmtools_path, "pub", "-r", "50", "/cmd", "geometry_msgs/Twist", "{linear: {x: 2}}")
 
 
 @pytest.mark.usefixtures("_driven")
-def test_a_picture_of_a_bus_is_of_the_time_given(tmp_path: Path, cli: Run) -> None:
+def test_a_picture_of_a_bus_is_of_the_time_given(tmp_path, cli):
     picture = tmp_path / "a.png"
     result = cli("plot", "/cmd/linear.x", "--duration", "0.5s", "-o", str(picture))
     assert (result.code, result.out) == (0, ""), result.err
@@ -79,14 +66,14 @@ def test_a_picture_of_a_bus_is_of_the_time_given(tmp_path: Path, cli: Run) -> No
 
 
 @pytest.mark.usefixtures("_driven")
-def test_curves_are_drawn_on_a_terminal_again_and_again(on_terminal: Callable[..., str]) -> None:
+def test_curves_are_drawn_on_a_terminal_again_and_again(on_terminal):
     text = on_terminal("plot", "/cmd/linear.x", "--duration", "5s")
     assert text.count("/cmd/linear.x") > 1
     assert text.count("\x1b[2J") > 1
     assert "time [s]" in text
 
 
-def test_what_is_no_terminal_needs_a_file(cli: Run) -> None:
+def test_what_is_no_terminal_needs_a_file(cli):
     result = cli("plot", "/cmd/linear.x")
     assert_line(result.err, "lcmtools plot: ", "terminal", "-o FILE.png\n")
     assert result.code == 2

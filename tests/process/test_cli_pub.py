@@ -2,17 +2,12 @@
 
 import math
 import shlex
-from collections.abc import Callable
 from itertools import count
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line
 
 from lcmtools.messages.registry import message_class
-
-Cli = Callable[..., Any]
 
 TWIST_ZERO = {"linear": {"x": 0.0, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
 
@@ -21,7 +16,7 @@ _topics = count()
 
 
 @pytest.fixture
-def topic() -> str:
+def topic():
     """A topic of the test's own."""
     return f"/test{next(_topics)}"
 
@@ -64,8 +59,8 @@ def topic() -> str:
     ],
 )
 def test_once_sends_what_the_values_say_exactly_once(
-    type_name: str, values: list[str], message: object, topic: str, receiver: Any, cli: Cli
-) -> None:
+    type_name, values, message, topic, receiver, cli
+):
     received = receiver.subscribe(topic, type_name)
     result = cli("pub", "-1", topic, type_name, *values)
     assert (result.code, result.out) == (0, "")
@@ -104,8 +99,8 @@ def test_once_sends_what_the_values_say_exactly_once(
     ],
 )
 def test_the_end_tells_of_a_command_that_an_actuator_goes_on_to_obey(
-    topic: str, words: list[str], said: str, receiver: Any, cli: Cli
-) -> None:
+    topic, words, said, receiver, cli
+):
     type_at = next(place for place, word in enumerate(words) if "_msgs/" in word)
     kind = message_class(words[type_at])
     receiver.node.create_subscription(kind, topic, lambda _: None, plain_channel=True)
@@ -136,9 +131,7 @@ def test_the_end_tells_of_a_command_that_an_actuator_goes_on_to_obey(
         ("std_msgs/Float64MultiArray", ["-1", "{}", "- -1\n- -2"], [-1.0, -2.0]),
     ],
 )
-def test_negative_numbers_are_values_and_no_options(
-    type_name: str, words: list[str], data: object, topic: str, receiver: Any, cli: Cli
-) -> None:
+def test_negative_numbers_are_values_and_no_options(type_name, words, data, topic, receiver, cli):
     received = receiver.subscribe(topic, type_name)
     assert cli("pub", "-w", "0", topic, type_name, *words).code == 0
     assert [message["data"] for message in received()] == [data]
@@ -160,14 +153,7 @@ def test_negative_numbers_are_values_and_no_options(
         ["std_msgs/Strung", "x"],
     ],
 )
-def test_mistake_sends_nothing(
-    words: list[str],
-    topic: str,
-    receiver: Any,
-    cli: Cli,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_mistake_sends_nothing(words, topic, receiver, cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "second_is_bad.yaml").write_text("data: one\n---\ndata: [2]\n")
     received = receiver.subscribe(topic)
@@ -177,12 +163,10 @@ def test_mistake_sends_nothing(
     assert received() == []
 
 
-def test_latched_message_comes_again_to_each_that_subscribes_later(
-    topic: str, receiver: Any, cli: Cli
-) -> None:
-    late: list[Callable[[], list[Any]]] = []
+def test_latched_message_comes_again_to_each_that_subscribes_later(topic, receiver, cli):
+    late = []
 
-    def all_have_it(written: str) -> bool:
+    def all_have_it(written):
         if "publishing and latching message. Press ctrl-C to terminate\n" not in written:
             return False
         if not late or (len(late) < 3 and late[-1]()):
@@ -195,10 +179,10 @@ def test_latched_message_comes_again_to_each_that_subscribes_later(
     assert all(found()[-1] == {"data": "stay"} for found in late)
 
 
-def test_once_waits_for_one_who_can_receive(topic: str, receiver: Any, cli: Cli) -> None:
-    late: list[Callable[[], list[Any]]] = []
+def test_once_waits_for_one_who_can_receive(topic, receiver, cli):
+    late = []
 
-    def subscribes_late(_: str) -> bool:
+    def subscribes_late(_):
         if not late and receiver.node.graph().topic(topic).publishers:
             late.append(receiver.subscribe(topic))
         return False
@@ -209,9 +193,7 @@ def test_once_waits_for_one_who_can_receive(topic: str, receiver: Any, cli: Cli)
     assert late[0]() == [{"data": "hello"}]
 
 
-def test_once_does_not_wait_for_a_subscriber_of_another_type(
-    receiver: Any, topic: str, cli: Cli
-) -> None:
+def test_once_does_not_wait_for_a_subscriber_of_another_type(receiver, topic, cli):
     receiver.subscribe(topic)
     result = cli("pub", "-1", topic, "std_msgs/Int32", "3")
     assert result.code == 0
@@ -230,9 +212,7 @@ def test_once_does_not_wait_for_a_subscriber_of_another_type(
         ["--name", "me", "--ns", "named", "a", "std_msgs/String", "x", "/named/a:=chatter"],
     ],
 )
-def test_names_are_resolved_and_remapped_as_a_nodes(
-    words: list[str], receiver: Any, cli: Cli
-) -> None:
+def test_names_are_resolved_and_remapped_as_a_nodes(words, receiver, cli):
     received = receiver.subscribe("/named/chatter")
     assert cli("pub", "-1", *words).ok() == ""
     assert received() == [{"data": "x"}]
@@ -250,9 +230,7 @@ while True:
 
 
 @pytest.mark.parametrize("option", ["--plain-channel", "--literal"])
-def test_a_plain_channel_is_taken_to_the_letter(
-    option: str, start_python: Callable[..., Any], cli: Cli
-) -> None:
+def test_a_plain_channel_is_taken_to_the_letter(option, start_python, cli):
     plain = start_python(_PLAIN_SUBSCRIBER)
     plain.wait_for("ready")
     cli("pub", "-1", option, "PLAIN", "std_msgs/String", "x")
@@ -261,7 +239,7 @@ def test_a_plain_channel_is_taken_to_the_letter(
     assert plain.wait_for("received") == "received /PLAIN"
 
 
-def test_domain_chooses_the_bus(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_domain_chooses_the_bus(cli, monkeypatch):
     monkeypatch.delenv("LCM_DEFAULT_URL")
     result = cli("list", env={"LCMTOOLS_DOMAIN": "231"})
     assert_line(result.err, "no topics", "udpm://239.255.76.67:7898?ttl=0\n")
@@ -282,9 +260,7 @@ def test_domain_chooses_the_bus(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> No
         ("-1 TOPIC geometry_msgs/Vector3 -- -1 0 0", (-1, 0, 0)),
     ],
 )
-def test_minus_one_is_a_value_where_a_value_would_be_missing(
-    words: str, values: tuple[float, ...], topic: str, receiver: Any, cli: Cli
-) -> None:
+def test_minus_one_is_a_value_where_a_value_would_be_missing(words, values, topic, receiver, cli):
     received = receiver.subscribe(topic, "geometry_msgs/Vector3")
     assert cli("pub", *shlex.split(words.replace("TOPIC", topic))).ok() == ""
     assert [tuple(message.values()) for message in received()] == [values]

@@ -1,12 +1,8 @@
 """pub while the network is gone: what repeats goes on, what is to send so many fails."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 from fixtures.says import assert_says
 
-Cli = Callable[..., Any]
 ROUTE = ("224.0.0.0/4", "dev", "lo")
 CUT = [("link", "set", "lo", "down")]
 MENDED = [("link", "set", "lo", "up"), ("route", "add", *ROUTE)]
@@ -18,13 +14,11 @@ AGAIN = "lcmtools pub: messages are sent again"
 pytestmark = pytest.mark.usefixtures("on_bus", "private_network")
 
 
-def test_a_pub_that_repeats_goes_on_when_the_network_is_back(
-    cli: Cli, ip: Callable[..., None]
-) -> None:
+def test_a_pub_that_repeats_goes_on_when_the_network_is_back(cli, ip):
     steps = iter([("publishing #2", CUT), (WAITING, MENDED)])
     step = [next(steps, None)]
 
-    def is_back(written: str) -> bool:
+    def is_back(written):
         if step[0] and step[0][0] in written:
             for words in step[0][1]:
                 ip(*words)
@@ -37,10 +31,10 @@ def test_a_pub_that_repeats_goes_on_when_the_network_is_back(
     assert result.err.count(WAITING) == 1
 
 
-def test_a_pub_of_so_many_fails(cli: Cli, ip: Callable[..., None]) -> None:
-    is_gone: list[bool] = []
+def test_a_pub_of_so_many_fails(cli, ip):
+    is_gone = []
 
-    def cut_off(written: str) -> bool:
+    def cut_off(written):
         if "publishing #2" in written and not is_gone:
             is_gone.append(True)
             ip(*CUT[0])
@@ -52,7 +46,7 @@ def test_a_pub_of_so_many_fails(cli: Cli, ip: Callable[..., None]) -> None:
     assert result.err.splitlines()[-1] == CANNOT
 
 
-def test_once_fails_with_one_line(cli: Cli, ip: Callable[..., None]) -> None:
+def test_once_fails_with_one_line(cli, ip):
     ip("route", "del", *ROUTE)
     result = cli("pub", "-1", *MESSAGE)
     assert result.code == 1

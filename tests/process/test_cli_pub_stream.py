@@ -2,11 +2,8 @@
 
 import os
 import subprocess
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import count
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line, assert_says
@@ -15,7 +12,6 @@ from lcmtools.messages.text import format_message
 from lcmtools.publish import incoming
 from lcmtools.types.std_msgs import Empty
 
-Cli = Callable[..., Any]
 STRING = "std_msgs/String"
 THREE = "data: one\n---\ndata: two\n---\n{data: three}\n"
 
@@ -24,24 +20,24 @@ _topics = count()
 
 
 @pytest.fixture
-def topic() -> str:
+def topic():
     """A topic of the test's own."""
     return f"/stream{next(_topics)}"
 
 
 @pytest.fixture
-def received(topic: str, receiver: Any) -> Callable[[], list[str]]:
+def received(topic, receiver):
     """``received()``: the data of all messages on the topic."""
     messages = receiver.subscribe(topic)
     return lambda: [message["data"] for message in messages()]
 
 
 @pytest.fixture
-def feed(lcmtools_path: str) -> Iterator[Callable[..., Any]]:
+def feed(lcmtools_path):
     """``feed(*arguments)``: a running pub -v with a pipe for standard input."""
-    started: list[subprocess.Popen[str]] = []
+    started = []
 
-    def start(*arguments: str) -> subprocess.Popen[str]:
+    def start(*arguments):
         process = subprocess.Popen(
             [lcmtools_path, "pub", "-v", "-w", "0", *arguments],
             stdin=subprocess.PIPE,
@@ -62,9 +58,7 @@ def feed(lcmtools_path: str) -> Iterator[Callable[..., Any]]:
 
 
 @pytest.mark.parametrize("source", ["-f file", "-f -", "-", "nothing"])
-def test_several_documents_are_sent_in_order(
-    source: str, topic: str, received: Any, cli: Cli, tmp_path: Path
-) -> None:
+def test_several_documents_are_sent_in_order(source, topic, received, cli, tmp_path):
     file = tmp_path / "messages.yaml"
     file.write_text(THREE)
     words = {"-f file": ["-f", str(file)], "-f -": ["-f", "-"], "-": ["-"], "nothing": []}[source]
@@ -80,18 +74,14 @@ def test_several_documents_are_sent_in_order(
         (["-t", "5", "-r", "50"], ["one", "two", "three", "one", "two"]),
     ],
 )
-def test_a_file_is_sent_so_many_times_as_asked(
-    words: list[str], sent: list[str], topic: str, received: Any, cli: Cli, tmp_path: Path
-) -> None:
+def test_a_file_is_sent_so_many_times_as_asked(words, sent, topic, received, cli, tmp_path):
     file = tmp_path / "messages.yaml"
     file.write_text(THREE)
     assert cli("pub", *words, "-f", str(file), topic, STRING).ok() == ""
     assert received() == sent
 
 
-def test_what_echo_prints_of_messages_without_fields_is_sent_again(
-    topic: str, receiver: Any, cli: Cli, tmp_path: Path
-) -> None:
+def test_what_echo_prints_of_messages_without_fields_is_sent_again(topic, receiver, cli, tmp_path):
     found = receiver.subscribe(topic, "std_msgs/Empty")
     file = tmp_path / "empty.yaml"
     file.write_text(f"{format_message(Empty())}\n---\n" * 3)
@@ -99,13 +89,13 @@ def test_what_echo_prints_of_messages_without_fields_is_sent_again(
     assert found() == [{}, {}, {}]
 
 
-def test_a_stream_ends_after_as_many_messages_as_asked(topic: str, received: Any, cli: Cli) -> None:
+def test_a_stream_ends_after_as_many_messages_as_asked(topic, received, cli):
     assert cli("pub", "-1", topic, STRING, "-", input=THREE).code == 0
     assert cli("pub", "-t", "2", topic, STRING, "-", input=THREE).code == 0
     assert received() == ["one", "one", "two"]
 
 
-def test_each_message_is_sent_as_soon_as_it_is_whole(topic: str, feed: Callable[..., Any]) -> None:
+def test_each_message_is_sent_as_soon_as_it_is_whole(topic, feed):
     pub = feed(topic, STRING, "-")
     texts = [
         *('{"data": "a"}\n', "data: a\n---\n", 'data: "a"\n---\n', '{\n  "data": "a"\n}\n'),
@@ -119,9 +109,7 @@ def test_each_message_is_sent_as_soon_as_it_is_whole(topic: str, feed: Callable[
     assert pub.wait() == 0
 
 
-def test_echo_and_pub_are_a_live_relay(
-    topic: str, start: Callable[..., Any], cli: Cli, receiver: Any, lcmtools_path: str
-) -> None:
+def test_echo_and_pub_are_a_live_relay(topic, start, cli, receiver, lcmtools_path):
     relayed = receiver.subscribe("/relayed")
     relay = start(
         "sh",
@@ -135,7 +123,7 @@ def test_echo_and_pub_are_a_live_relay(
     assert all(line.startswith("publishing #") for line in relay.lines)
 
 
-def test_what_echo_prints_can_be_published_again(topic: str, cli: Cli) -> None:
+def test_what_echo_prints_can_be_published_again(topic, cli):
     printed = (
         "linear: \n  x: 0.5\n  y: 0.0\n  z: 0.0\nangular: \n  x: 0.0\n  y: 0.0\n  z: -0.3\n---\n"
     )
@@ -177,22 +165,18 @@ def test_what_echo_prints_can_be_published_again(topic: str, cli: Cli) -> None:
         ),
     ],
 )
-def test_an_error_in_a_stream_says_where_it_is_and_what_has_been_sent(
-    text: str, code: int, line: str, topic: str, cli: Cli
-) -> None:
+def test_an_error_in_a_stream_says_where_it_is_and_what_has_been_sent(text, code, line, topic, cli):
     result = cli("pub", "-w", "0", topic, STRING, "-", input=text)
     assert (result.code, result.out, result.err) == (code, "", f"lcmtools pub: {line}\n")
 
 
-def test_a_stream_that_is_no_utf_8_is_refused(topic: str, cli: Cli) -> None:
+def test_a_stream_that_is_no_utf_8_is_refused(topic, cli):
     result = cli("pub", "-w", "0", topic, STRING, "-", input=b"data: a\n---\ndata: caf\xe9\n")
     assert result.code == 1
     assert_line(result.err, "lcmtools pub: ", "standard input: ", "UTF-8", "; 1 message")
 
 
-def test_waiting_for_a_stream_is_announced(
-    topic: str, cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_waiting_for_a_stream_is_announced(topic, cli, tmp_path, monkeypatch):
     monkeypatch.setattr(incoming, "_PATIENCE", 0.1)
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
@@ -203,7 +187,7 @@ def test_waiting_for_a_stream_is_announced(
     assert (result.code, result.err) == (130, waits)
 
 
-def test_one_message_in_a_file_is_repeated(topic: str, cli: Cli, tmp_path: Path) -> None:
+def test_one_message_in_a_file_is_repeated(topic, cli, tmp_path):
     file = tmp_path / "one.yaml"
     file.write_text("data: x\n")
     words = ("-v", "-w", "0", "-f", str(file), topic, STRING)
@@ -212,10 +196,10 @@ def test_one_message_in_a_file_is_repeated(topic: str, cli: Cli, tmp_path: Path)
     assert_says(result.err, "single message", "10 times a second", "Ctrl-C\npublishing #1: ")
 
 
-def test_the_last_of_a_stream_is_latched(topic: str, receiver: Any, cli: Cli) -> None:
-    late: list[Callable[[], list[Any]]] = []
+def test_the_last_of_a_stream_is_latched(topic, receiver, cli):
+    late = []
 
-    def has_come(written: str) -> bool:
+    def has_come(written):
         if "publishing #2: " in written and not late:
             late.append(receiver.subscribe(topic))
         return bool(late and late[0]())
@@ -226,14 +210,12 @@ def test_the_last_of_a_stream_is_latched(topic: str, receiver: Any, cli: Cli) ->
     assert late[0]() == [{"data": "b"}]
 
 
-def test_a_pipe_that_has_nothing_means_the_default_message(
-    topic: str, received: Any, cli: Cli
-) -> None:
+def test_a_pipe_that_has_nothing_means_the_default_message(topic, received, cli):
     assert cli("pub", "-1", topic, STRING, input="").ok() == ""
     assert received() == [""]
 
 
-def test_a_named_pipe_is_a_stream(topic: str, feed: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_named_pipe_is_a_stream(topic, feed, tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     pub = feed("-f", str(pipe), topic, STRING)

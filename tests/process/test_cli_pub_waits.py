@@ -4,10 +4,7 @@ import json
 import os
 import socket
 import time
-from collections.abc import Callable
 from itertools import count
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line, assert_says
@@ -19,7 +16,6 @@ from lcmtools.graph.model import Node as Model
 from lcmtools.publish import subscriber_wait
 from lcmtools.types.rosgraph_msgs import Clock
 
-Cli = Callable[..., Any]
 STRING = "std_msgs/String"
 
 pytestmark = pytest.mark.usefixtures("use_module_bus")
@@ -27,25 +23,23 @@ _topics = count()
 
 
 @pytest.fixture
-def topic() -> str:
+def topic():
     """A topic of the test's own."""
     return f"/waits{next(_topics)}"
 
 
-def published(result: Any) -> list[Any]:
+def published(result):
     """The messages that pub -v prints."""
     rows = [row.partition(": ") for row in result.err.splitlines()]
     return [json.loads(rest) for head, _, rest in rows if head.startswith("publishing #")]
 
 
-def test_as_many_subscribers_as_asked_are_waited_for(
-    topic: str, receiver: Any, cli: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_as_many_subscribers_as_asked_are_waited_for(topic, receiver, cli, monkeypatch):
     monkeypatch.setattr(subscriber_wait, "_PATIENCE", 0.1)
     waits = f"lcmtools pub: waiting for 2 subscribers of {topic}; 0 so far\n"
-    late: list[Callable[[], list[Any]]] = []
+    late = []
 
-    def subscribe(written: str) -> bool:
+    def subscribe(written):
         if waits in written and not late:
             late.extend(node.subscribe(topic) for node in (receiver, receiver.another()))
         return False
@@ -56,9 +50,7 @@ def test_as_many_subscribers_as_asked_are_waited_for(
 
 
 @pytest.mark.parametrize("words", [["-w", "1"], ["-1"], ["-t", "2"], ["-r", "5", "-w", "1"]])
-def test_subscribers_that_do_not_come_in_time_are_exit_code_4(
-    words: list[str], topic: str, cli: Cli
-) -> None:
+def test_subscribers_that_do_not_come_in_time_are_exit_code_4(words, topic, cli):
     result = cli("pub", *words, "--timeout", "100ms", topic, STRING, "x")
     assert (result.code, result.out) == (4, "")
     parts = ("0.1 s: ", f"1 subscriber of {topic}; 0 so far; ", f"lcmtools info {topic}")
@@ -75,9 +67,7 @@ while True:
 """
 
 
-def test_plain_lcm_programs_are_not_waited_for(
-    start_python: Callable[..., Any], bus_url: str, cli: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_plain_lcm_programs_are_not_waited_for(start_python, bus_url, cli, monkeypatch):
     words = ("pub", "-1", "--literal", "PLAIN", STRING, "x")
     bus = {"LCM_DEFAULT_URL": bus_url}
     alone = cli(*words, env=bus)
@@ -92,12 +82,8 @@ def test_plain_lcm_programs_are_not_waited_for(
 
 
 def test_nodes_of_this_computer_that_have_not_answered_are_waited_for(
-    start_python: Callable[..., Any],
-    bus_url: str,
-    cli: Cli,
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-) -> None:
+    start_python, bus_url, cli, monkeypatch, tmp_path
+):
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.setattr(subscriber_wait, "_ANSWERED", 0.3)
     records = NodeRecords(parse_url(bus_url), {"XDG_RUNTIME_DIR": str(tmp_path)})
@@ -109,7 +95,7 @@ def test_nodes_of_this_computer_that_have_not_answered_are_waited_for(
     assert time.monotonic() - started > 0.3  # seconds
 
 
-def test_times_end_after_so_many(topic: str, cli: Cli) -> None:
+def test_times_end_after_so_many(topic, cli):
     started = time.monotonic()
     result = cli("pub", "-v", "-w", "0", "-t", "3", "-r", "20", topic, STRING, "x")
     assert (result.code, result.out) == (0, "")
@@ -117,7 +103,7 @@ def test_times_end_after_so_many(topic: str, cli: Cli) -> None:
     assert time.monotonic() - started > 0.1  # seconds: two periods
 
 
-def test_each_message_is_stamped_when_it_is_sent(topic: str, cli: Cli) -> None:
+def test_each_message_is_stamped_when_it_is_sent(topic, cli):
     before = time.time_ns()
     words = ["geometry_msgs/PoseStamped", "{header: auto, pose: {position: {x: 1}}}"]
     result = cli("pub", "-v", "-w", "0", "-s", "-t", "3", "-r", "20", topic, *words)
@@ -127,10 +113,8 @@ def test_each_message_is_stamped_when_it_is_sent(topic: str, cli: Cli) -> None:
     assert times[2] - times[0] > 50_000_000  # nanoseconds
 
 
-def test_stamps_may_be_simulated_time(
-    topic: str, start_node: Callable[..., Any], bus_url: str, cli: Cli
-) -> None:
-    def clock() -> Node:
+def test_stamps_may_be_simulated_time(topic, start_node, bus_url, cli):
+    def clock():
         node = Node("clock")
         publisher = node.create_publisher(Clock, "/clock")
         message = Clock()
@@ -150,12 +134,10 @@ def test_stamps_may_be_simulated_time(
 
 
 @pytest.mark.parametrize("words", [["-1", "--keep-alive", "50s"], ["-l", "-r", "0.05"]])
-def test_late_subscribers_get_the_last_message_again(
-    words: list[str], topic: str, receiver: Any, cli: Cli
-) -> None:
-    late: list[Callable[[], list[Any]]] = []
+def test_late_subscribers_get_the_last_message_again(words, topic, receiver, cli):
+    late = []
 
-    def has_come(written: str) -> bool:
+    def has_come(written):
         if "publishing #1: " in written and not late:
             late.append(receiver.subscribe(topic))
         return "publishing #1 again, to a new subscriber\n" in written
@@ -165,7 +147,7 @@ def test_late_subscribers_get_the_last_message_again(
     assert late[0]() == [{"data": "stay"}]
 
 
-def test_keep_alive_ends_after_so_long(topic: str, cli: Cli) -> None:
+def test_keep_alive_ends_after_so_long(topic, cli):
     started = time.monotonic()
     assert cli("pub", "-1", "-w", "0", "--keep-alive", "200ms", topic, STRING, "x").ok() == ""
     assert time.monotonic() - started > 0.2  # seconds
@@ -187,8 +169,8 @@ print("rate", (len(times) - 1) / (times[-1] - times[0]), flush=True)
 @pytest.mark.timing
 @pytest.mark.usefixtures("private_network")
 def test_a_thousand_messages_a_second_are_kept_without_drift(
-    topic: str, start: Callable[..., Any], start_python: Callable[..., Any], lcmtools_path: str
-) -> None:
+    topic, start, start_python, lcmtools_path
+):
     counter = start_python(_COUNTER, topic, "1500")
     counter.wait_for("ready")
     start(lcmtools_path, "pub", "-r", "1000", topic, "std_msgs/Header", "auto")

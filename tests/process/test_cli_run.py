@@ -4,19 +4,15 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line, assert_says
 
-Run = Callable[..., Any]
-
 pytestmark = pytest.mark.usefixtures("use_module_bus")
 
 
-def test_list_names_what_can_be_run(cli: Run) -> None:
+def test_list_names_what_can_be_run(cli):
     result = cli("run", "--list")
     rows = [line.split(maxsplit=1) for line in result.out.splitlines()]
     known = {row[0] for row in rows}
@@ -28,9 +24,7 @@ def test_list_names_what_can_be_run(cli: Run) -> None:
     assert json.loads(cli("run", "--list", "--json").out) == sorted(known)
 
 
-def test_the_start_of_a_lab_says_its_steps_line_by_line(
-    cli: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_start_of_a_lab_says_its_steps_line_by_line(cli, monkeypatch):
     monkeypatch.setattr("lcmtools.cli.run.command", lambda **_: 0)
     said = cli("lab", "start", "husky").err.splitlines()
     assert said[1] == "In a second terminal, type:"
@@ -45,22 +39,14 @@ def test_the_start_of_a_lab_says_its_steps_line_by_line(
         ["--ns", "/husky0", "--name", "speaker", "--remap", "chatter:=news"],
     ],
 )
-def test_names_and_remaps_are_taken_in_both_forms(
-    arguments: list[str], start: Callable[..., Any], cli: Run, lcmtools_path: str
-) -> None:
+def test_names_and_remaps_are_taken_in_both_forms(arguments, start, cli, lcmtools_path):
     start(lcmtools_path, "run", "talker", *arguments).wait_for("[/husky0/speaker]: hello world")
     info = cli("node", "info", "/husky0/speaker").out
     assert " * /husky0/news [std_msgs/String]\n" in info
 
 
 @pytest.mark.parametrize("arguments", [["_kp:=2", "_ki:=0"], ["--param", "kp:=2", "--param=ki:=0"]])
-def test_parameters_are_taken_in_both_forms(
-    arguments: list[str],
-    start: Callable[..., Any],
-    cli: Run,
-    lcmtools_path: str,
-    wait_until: Callable[..., None],
-) -> None:
+def test_parameters_are_taken_in_both_forms(arguments, start, cli, lcmtools_path, wait_until):
     namespace = f"/gains{len(arguments)}"
     start(lcmtools_path, "run", "simple_controller", f"__ns:={namespace}", *arguments)
     node = f"{namespace}/simple_controller"
@@ -70,13 +56,13 @@ def test_parameters_are_taken_in_both_forms(
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"]])
-def test_help_after_the_name_is_the_nodes_own(arguments: list[str], cli: Run) -> None:
+def test_help_after_the_name_is_the_nodes_own(arguments, cli):
     result = cli("run", "talker", *arguments, env={"LCM_DEFAULT_URL": "no bus is needed"})
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith('Publish "hello world" ten times a second')
 
 
-def test_a_python_without_docstrings_helps_and_runs(bus_url: str) -> None:
+def test_a_python_without_docstrings_helps_and_runs(bus_url):
     """PYTHONOPTIMIZE=2 drops them: the nodes' help, and the sentences of commands and rules."""
     from lcmtools.labs import nodes
 
@@ -93,7 +79,7 @@ def test_a_python_without_docstrings_helps_and_runs(bus_url: str) -> None:
 
 
 @pytest.mark.parametrize("place", [0, 1, 2, 3])
-def test_bus_can_be_said_anywhere(place: int, cli: Run) -> None:
+def test_bus_can_be_said_anywhere(place, cli):
     words = ["run", "listener", "__ns:=/elsewhere"]
     words[place:place] = ["--lcm-url", "nonsense://"]
     result = cli(*words)
@@ -101,29 +87,19 @@ def test_bus_can_be_said_anywhere(place: int, cli: Run) -> None:
     assert "nonsense://" in result.err
 
 
-def test_node_is_on_the_chosen_bus(
-    start: Callable[..., Any],
-    bus_url: str,
-    cli: Run,
-    lcmtools_path: str,
-    wait_until: Callable[..., None],
-) -> None:
+def test_node_is_on_the_chosen_bus(start, bus_url, cli, lcmtools_path, wait_until):
     start(lcmtools_path, "--lcm-url", bus_url, "run", "listener", "__ns:=/elsewhere")
     wait_until(lambda: cli("node", "list", "--lcm-url", bus_url).out == "/elsewhere/listener\n")
     assert "/elsewhere/listener" not in cli("node", "list").out
 
 
-def test_a_domain_that_has_no_effect_is_told(
-    start: Callable[..., Any], bus_url: str, lcmtools_path: str
-) -> None:
+def test_a_domain_that_has_no_effect_is_told(start, bus_url, lcmtools_path):
     talker = start(lcmtools_path, "run", "talker", "--domain", "3", "--lcm-url", bus_url)
     talker.wait_for("[WARN]")
     assert_says(talker.lines[0], "--domain 3", "no effect", "--lcm-url")
 
 
-def test_exit_code_is_the_nodes_and_its_files_are_written(
-    lcmtools_process: Run, tmp_path: Path
-) -> None:
+def test_exit_code_is_the_nodes_and_its_files_are_written(lcmtools_process, tmp_path):
     metadata = tmp_path / "mine-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
@@ -139,9 +115,7 @@ def test_exit_code_is_the_nodes_and_its_files_are_written(
     assert "mine mine" in lcmtools_process("run", "--list", **environment).stdout.splitlines()
 
 
-def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
-    lcmtools_process: Run, tmp_path: Path
-) -> None:
+def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(lcmtools_process, tmp_path):
     (tmp_path / "pybullet.py").write_text(
         "raise ModuleNotFoundError(\"No module named 'pybullet'\", name='pybullet')\n"
     )
@@ -167,8 +141,8 @@ def test_simulator_without_pybullet_says_what_to_type_with_exit_code_3(
     ],
 )
 def test_the_extra_that_a_command_needs_is_named_with_exit_code_3(
-    lcmtools_process: Run, tmp_path: Path, words: str, package: str, said: str
-) -> None:
+    lcmtools_process, tmp_path, words, package, said
+):
     text = f"raise ModuleNotFoundError(\"No module named '{package}'\", name='{package}')\n"
     (tmp_path / f"{package}.py").write_text(text)
     result = lcmtools_process(*words.split(), PYTHONPATH=str(tmp_path))
@@ -178,8 +152,8 @@ def test_the_extra_that_a_command_needs_is_named_with_exit_code_3(
 
 
 def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
-    lcmtools_process: Run, tmp_path: Path
-) -> None:
+    lcmtools_process, tmp_path
+):
     (tmp_path / "own.py").write_text("import cv2\n")
     (tmp_path / "cv2.py").write_text(
         "raise ModuleNotFoundError(\"No module named 'cv2'\", name='cv2')\n"
@@ -194,7 +168,7 @@ def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
     assert_line(result.stderr, "lcmtools run: mine", "'cv2'", install)
 
 
-def test_msg_list_and_show_agree_in_all_spellings(cli: Run) -> None:
+def test_msg_list_and_show_agree_in_all_spellings(cli):
     names = cli("msg", "list").out.splitlines()
     assert names == sorted(names)
     assert {"geometry_msgs/Twist", "std_msgs/String", "nav_msgs/Odometry"} <= set(names)

@@ -5,8 +5,6 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
@@ -15,14 +13,11 @@ from lcmtools import Node
 from lcmtools.publish import subscriber_wait
 from lcmtools.types.std_srvs import Empty, SetBool, Trigger
 
-Cli = Callable[..., Any]
-Start = Callable[..., Any]
-
 
 class Server(Node):
     """A node with services."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("server")
         self.is_slow = threading.Event()
         self._calls = 0
@@ -32,24 +27,24 @@ class Server(Node):
         self.create_service(Empty, "reset", lambda _, response: response)
         self.create_service(Empty, "/_inner", lambda _, response: response)
 
-    def _switch(self, request: Any, response: Any) -> Any:
+    def _switch(self, request, response):
         self._calls += 1
         response.success, response.message = request.data, f"call {self._calls}"
         return response
 
-    def _be_slow(self, _: Any, response: Any) -> Any:
+    def _be_slow(self, _, response):
         self.is_slow.set()
         time.sleep(0.8)  # over several repetitions of the request
         self._calls += 1
         response.success, response.message = True, f"{self._calls}" + "x" * 300_000
         return response
 
-    def _fail(self, _request: Any, _response: Any) -> Any:
+    def _fail(self, _request, _response):
         raise RuntimeError("no power")
 
 
 @pytest.fixture(scope="module")
-def server(module_start_node: Start) -> Any:
+def server(module_start_node):
     """A node with services, on the module's bus."""
     return module_start_node(Server).node
 
@@ -58,9 +53,7 @@ shared_server = pytest.mark.usefixtures("use_module_bus", "server")
 
 
 @shared_server
-def test_list_names_services_with_types_and_nodes(
-    cli: Cli, wait_until: Callable[..., None]
-) -> None:
+def test_list_names_services_with_types_and_nodes(cli, wait_until):
     plain = ["/fail", "/reset", "/server/slow", "/switch"]
     wait_until(lambda: cli("service", "list").out.splitlines() == plain)
     everything = cli("service", "list", "-a").out.splitlines()
@@ -77,7 +70,7 @@ def test_list_names_services_with_types_and_nodes(
 
 
 @shared_server
-def test_info_type_find_and_args(cli: Cli) -> None:
+def test_info_type_find_and_args(cli):
     info = cli("service", "info", "switch").out.splitlines()
     assert info[0] == "Node: /server"
     assert f"Pid: {os.getpid()}" in info
@@ -91,7 +84,7 @@ def test_info_type_find_and_args(cli: Cli) -> None:
 
 
 @shared_server
-def test_call_repeats_as_often_as_is_said(cli: Cli) -> None:
+def test_call_repeats_as_often_as_is_said(cli):
     done = cli("service", "call", "-t", "3", "-r", "100", "/switch", "true", "--json")
     rows = [json.loads(line) for line in done.out.splitlines()]
     numbers = [int(row["message"].removeprefix("call ")) for row in rows]
@@ -103,7 +96,7 @@ def test_call_repeats_as_often_as_is_said(cli: Cli) -> None:
 
 
 @shared_server
-def test_call_with_a_rate_goes_on_until_ctrl_c(cli: Cli) -> None:
+def test_call_with_a_rate_goes_on_until_ctrl_c(cli):
     words = ("service", "call", "-r", "100", "/switch", "true")
     done = cli(*words, until=lambda written: written.count("success: True") > 4)
     assert (done.code, done.err) == (130, "")
@@ -112,7 +105,7 @@ def test_call_with_a_rate_goes_on_until_ctrl_c(cli: Cli) -> None:
 
 
 @shared_server
-def test_call_with_a_rate_ends_where_the_service_fails(cli: Cli) -> None:
+def test_call_with_a_rate_ends_where_the_service_fails(cli):
     done = cli("service", "call", "-r", "100", "/fail")
     assert (done.code, done.out) == (1, "")
     assert "no power" in done.err
@@ -129,7 +122,7 @@ def test_call_with_a_rate_ends_where_the_service_fails(cli: Cli) -> None:
         ["/switch", "SetBool", '{"data": true}'],
     ],
 )
-def test_call_prints_the_response_for_any_spelling(cli: Cli, words: list[str]) -> None:
+def test_call_prints_the_response_for_any_spelling(cli, words):
     done = cli("service", "call", *words)
     assert done.out.startswith('success: True\nmessage: "call ')
     assert (done.code, done.err) == (0, "")
@@ -140,33 +133,33 @@ def test_call_prints_the_response_for_any_spelling(cli: Cli, words: list[str]) -
     "words",
     [["slow", "__ns:=/server"], ["--ns", "/server", "slow"], ["other", "other:=/server/slow"]],
 )
-def test_call_resolves_names_as_the_other_commands_do(cli: Cli, words: list[str]) -> None:
+def test_call_resolves_names_as_the_other_commands_do(cli, words):
     assert cli("service", "call", *words).out.startswith("success: True")
 
 
 @shared_server
-def test_a_response_without_success_is_printed_and_exits_with_1(cli: Cli) -> None:
+def test_a_response_without_success_is_printed_and_exits_with_1(cli):
     done = cli("service", "call", "/switch", "false", "--json")
     assert json.loads(done.out)["success"] is False
     assert (done.code, done.err) == (1, "")
 
 
 @shared_server
-def test_a_service_that_fails_exits_with_1_and_its_reason(cli: Cli) -> None:
+def test_a_service_that_fails_exits_with_1_and_its_reason(cli):
     done = cli("service", "call", "/fail")
     assert (done.code, done.out) == (1, "")
     assert done.err == "lcmtools service call: /fail: RuntimeError('no power')\n"
 
 
 @shared_server
-def test_an_empty_response_is_an_empty_line(cli: Cli) -> None:
+def test_an_empty_response_is_an_empty_line(cli):
     done = cli("service", "call", "/reset")
     assert (done.code, done.out) == (0, "\n")
 
 
 @shared_server
 @pytest.mark.parametrize("words", [[], ["-"], ["-f", "-"]])
-def test_requests_that_are_piped_in_are_answered_in_order(words: list[str], cli: Cli) -> None:
+def test_requests_that_are_piped_in_are_answered_in_order(words, cli):
     done = cli("service", "call", "/switch", *words, input="data: true\n---\ndata: false\n")
     assert done.out.count("---\n") == 2
     assert done.out.index("success: True") < done.out.index("success: False")
@@ -174,7 +167,7 @@ def test_requests_that_are_piped_in_are_answered_in_order(words: list[str], cli:
 
 
 @shared_server
-def test_a_bad_request_in_a_file_sends_none(cli: Cli) -> None:
+def test_a_bad_request_in_a_file_sends_none(cli):
     before = cli("service", "info", "/switch").out
     done = cli("service", "call", "/switch", "-f", "-", input="data: true\n---\ndata: 7\n")
     assert (done.code, done.out) == (2, "")
@@ -183,7 +176,7 @@ def test_a_bad_request_in_a_file_sends_none(cli: Cli) -> None:
 
 
 @shared_server
-def test_a_slow_service_with_a_large_response_is_called_once(cli: Cli) -> None:
+def test_a_slow_service_with_a_large_response_is_called_once(cli):
     first, second = (
         cli("service", "call", "/server/slow", "--timeout", "10s", "--json") for _ in range(2)
     )
@@ -192,7 +185,7 @@ def test_a_slow_service_with_a_large_response_is_called_once(cli: Cli) -> None:
 
 
 @shared_server
-def test_no_answer_in_time_exits_with_4_and_names_the_node(cli: Cli) -> None:
+def test_no_answer_in_time_exits_with_4_and_names_the_node(cli):
     done = cli("service", "call", "/server/slow", "--timeout", "200ms")
     assert (done.code, done.out) == (4, "")
     assert_says(done.err, "/server/slow", "not answer", "0.2 s")
@@ -218,11 +211,11 @@ lcmtools.spin(node)
 
 
 @pytest.mark.usefixtures("on_bus")
-def test_a_server_that_is_killed_in_the_middle_is_named(cli: Cli, start_python: Start) -> None:
+def test_a_server_that_is_killed_in_the_middle_is_named(cli, start_python):
     server = start_python(_MORTAL_SERVER)
     server.wait_for("ready")
 
-    def kill(_: str) -> bool:
+    def kill(_):
         if "slow begins" in server.lines:
             os.kill(server.pid, signal.SIGKILL)
         return False
@@ -235,13 +228,13 @@ def test_a_server_that_is_killed_in_the_middle_is_named(cli: Cli, start_python: 
 
 @pytest.mark.usefixtures("on_bus")
 def test_wait_says_what_it_waits_for_and_calls_when_the_service_is_there(
-    cli: Cli, start_node: Start, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    cli, start_node, monkeypatch
+):
     monkeypatch.setattr(subscriber_wait, "_PATIENCE", 0.1)
     node = start_node(lambda: Node("late")).node
-    made: list[object] = []
+    made = []
 
-    def offer(written: str) -> bool:
+    def offer(written):
         if "waiting for the service /switch; no node offers any\n" in written and not made:
             made.append(node.create_service(SetBool, "switch", lambda _, response: response))
         return False
@@ -252,14 +245,14 @@ def test_wait_says_what_it_waits_for_and_calls_when_the_service_is_there(
 
 
 @pytest.mark.usefixtures("on_bus")
-def test_wait_with_a_duration_gives_up_with_exit_code_4(cli: Cli) -> None:
+def test_wait_with_a_duration_gives_up_with_exit_code_4(cli):
     done = cli("service", "call", "--wait=200ms", "/switch", "true")
     assert done.code == 4
     assert_says(done.err, "lcmtools service call: no node", "/switch", "0.2 s")
 
 
 @pytest.mark.usefixtures("on_bus")
-def test_two_nodes_with_the_same_service_are_said(cli: Cli, start_node: Start) -> None:
+def test_two_nodes_with_the_same_service_are_said(cli, start_node):
     for name in ("one", "two"):
         start_node(Server, f"__name:={name}")
     done = cli("service", "call", "/switch", "true")
@@ -268,7 +261,7 @@ def test_two_nodes_with_the_same_service_are_said(cli: Cli, start_node: Start) -
 
 
 @shared_server
-def test_a_call_ends_at_once_with_ctrl_c(cli: Cli, server: Any) -> None:
+def test_a_call_ends_at_once_with_ctrl_c(cli, server):
     server.is_slow.clear()
     started = time.monotonic()
     words = ("service", "call", "/server/slow", "--timeout", "1000s")

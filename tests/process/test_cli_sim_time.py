@@ -1,13 +1,7 @@
 """hz, bw and delay where a simulator keeps the time: it runs at its own pace, and starts again."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
-
-Run = Callable[..., Result]
 
 # Ten messages a simulated second, five times as fast as that; stamped 0.3 s in the past.
 _SIMULATOR = """
@@ -34,19 +28,17 @@ while True:
 
 
 @pytest.fixture
-def simulate(
-    start_python: Callable[..., Any], bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> Callable[[int], None]:
+def simulate(start_python, bus_url, monkeypatch):
     """``simulate(steps)``: a simulator that starts again after so many steps."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
-    def run(steps: int) -> None:
+    def run(steps):
         start_python(_SIMULATOR, str(steps)).wait_for("sent")
 
     return run
 
 
-def test_hz_goes_by_simulated_time(simulate: Callable[[int], None], cli: Run) -> None:
+def test_hz_goes_by_simulated_time(simulate, cli):
     simulate(100_000)
     result = cli("hz", "/pose", "-n", "1")
     assert result.out.startswith(
@@ -57,22 +49,20 @@ def test_hz_goes_by_simulated_time(simulate: Callable[[int], None], cli: Run) ->
     assert_says(note, "lcmtools hz: ", "simulated", "/clock; --wall-time")
 
 
-def test_hz_wall_time_goes_by_real_time(simulate: Callable[[int], None], cli: Run) -> None:
+def test_hz_wall_time_goes_by_real_time(simulate, cli):
     simulate(100_000)
     result = cli("hz", "/pose", "-n", "1", "--wall-time")
     assert float(result.out.split()[2]) == pytest.approx(45, abs=15)
     assert result.err == "subscribed to [/pose]\n"
 
 
-def test_delay_of_simulated_stamps_is_simulated(simulate: Callable[[int], None], cli: Run) -> None:
+def test_delay_of_simulated_stamps_is_simulated(simulate, cli):
     simulate(100_000)
     result = cli("delay", "/pose", "-n", "1", "-w", "5")
     assert result.out.startswith("average delay: 0.300\n\tmin: 0.300s max: 0.300s")
 
 
-def test_time_that_goes_back_is_said_and_counted_anew(
-    simulate: Callable[[int], None], start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_time_that_goes_back_is_said_and_counted_anew(simulate, start, lcmtools_path):
     simulate(80)
     hz = start(lcmtools_path, "hz", "/pose")
     hz.wait_for("time has reset, resetting counters")
@@ -83,23 +73,21 @@ def test_time_that_goes_back_is_said_and_counted_anew(
 
 
 @pytest.fixture
-def husky(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def husky(start, lcmtools_path, bus_url, monkeypatch):
     """The simulator, which tells the time seldom unless somebody says that he listens to it."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
 
 
 @pytest.mark.usefixtures("husky")
-def test_hz_gets_the_time_of_each_message(cli: Run) -> None:
+def test_hz_gets_the_time_of_each_message(cli):
     reports = cli("hz", "/husky0/imu", "-n", "3", "-w", "20").out.splitlines()
     # 50 Hz by steps of 1/240 s: four or five of them.
     assert reports[-1].startswith("\tmin: 0.017s max: 0.021s")
 
 
 @pytest.mark.usefixtures("husky")
-def test_echo_gets_the_time_of_each_message_without_a_stamp(cli: Run) -> None:
+def test_echo_gets_the_time_of_each_message_without_a_stamp(cli):
     rows = cli("echo", "-p", "/tf", "-n", "60").out.splitlines()
     times = [int(row.split(",")[0]) for row in rows[-20:]]
     assert len(set(times)) == 20

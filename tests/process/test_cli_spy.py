@@ -5,18 +5,13 @@ import re
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 
 from lcmtools.types.std_msgs import String
-
-Run = Callable[..., Result]
 
 # Prints a line when a message has been sent, so that tests wait for it and not for time.
 PLAIN = """
@@ -74,10 +69,10 @@ lcmtools.spin(node)
 
 
 @pytest.fixture
-def rows(cli: Run, bus_url: str) -> Callable[..., dict[str, dict[str, Any]]]:
+def rows(cli, bus_url):
     """``rows("/a", wait="2s")``: the records of spy --json, by channel."""
 
-    def run(*arguments: str, url: str = bus_url) -> dict[str, dict[str, Any]]:
+    def run(*arguments, url=bus_url):
         done = cli("spy", "--json", *arguments, env={"LCM_DEFAULT_URL": url})
         assert done.code == 0, done.err
         return {record["channel"]: record for record in json.loads(done.out)}
@@ -86,12 +81,8 @@ def rows(cli: Run, bus_url: str) -> Callable[..., dict[str, dict[str, Any]]]:
 
 
 def test_nodes_are_named_with_their_types_and_listeners(
-    start: Callable[..., Any],
-    start_python: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    rows: Callable[..., dict[str, dict[str, Any]]],
-) -> None:
+    start, start_python, lcmtools_path, bus_url, rows
+):
     bus = {"LCM_DEFAULT_URL": bus_url}
     start(lcmtools_path, "run", "talker", **bus)
     start(lcmtools_path, "run", "listener", **bus).wait_for("heard")
@@ -107,13 +98,8 @@ def test_nodes_are_named_with_their_types_and_listeners(
 
 
 def test_plain_programs_are_named_by_process_and_types_by_fingerprint(
-    start: Callable[..., Any],
-    start_python: Callable[..., Any],
-    lcm_program: Callable[[str], str],
-    cli: Run,
-    bus_url: str,
-    rows: Callable[..., dict[str, dict[str, Any]]],
-) -> None:
+    start, start_python, lcm_program, cli, bus_url, rows
+):
     plain = start_python(PLAIN, LCM_DEFAULT_URL=bus_url)
     plain.wait_for("sent")
     found = rows("--wait", "2500ms")
@@ -137,17 +123,15 @@ def test_plain_programs_are_named_by_process_and_types_by_fingerprint(
     assert_says(done.err, f"lcm-sink (pid {sink.pid}): ", "receives", "not a node")
 
 
-def plain_script(pid: int) -> str:
+def plain_script(pid):
     """The script that a Python process runs."""
     return Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[1].decode()
 
 
-def test_rows_are_sorted_filtered_and_chosen(
-    start_python: Callable[..., Any], cli: Run, bus_url: str
-) -> None:
+def test_rows_are_sorted_filtered_and_chosen(start_python, cli, bus_url):
     start_python(PLAIN, LCM_DEFAULT_URL=bus_url).wait_for("sent")
 
-    def channels(*arguments: str) -> list[str]:
+    def channels(*arguments):
         done = cli("spy", "--once", "--wait", "300ms", *arguments, env={"LCM_DEFAULT_URL": bus_url})
         assert done.code == 0, done.err
         return [line.split()[0] for line in done.out.splitlines()[1:]]
@@ -160,13 +144,7 @@ def test_rows_are_sorted_filtered_and_chosen(
     assert channels("NO*") == ["NOISE"]
 
 
-def test_lost_messages_are_the_senders(
-    start_python: Callable[..., Any],
-    cli: Run,
-    rows: Callable[..., dict[str, dict[str, Any]]],
-    bus_url: str,
-    private_network: None,
-) -> None:
+def test_lost_messages_are_the_senders(start_python, cli, rows, bus_url, private_network):
     del private_network
     port = bus_url.rpartition(":")[2].partition("?")[0]
     start_python(LOSSY, port).wait_for("sent")
@@ -178,18 +156,14 @@ def test_lost_messages_are_the_senders(
     assert "LCM numbers messages per sender" in done.err
 
 
-def test_a_large_message_counts_with_all_its_bytes(
-    start_python: Callable[..., Any], rows: Callable[..., dict[str, dict[str, Any]]], bus_url: str
-) -> None:
+def test_a_large_message_counts_with_all_its_bytes(start_python, rows, bus_url):
     large = PLAIN.replace("bytes(range(200))", "bytes(500_000)")
     start_python(large, LCM_DEFAULT_URL=bus_url).wait_for("sent")
     noise = rows()["NOISE"]
     assert noise["bytes"] == 500_000 * noise["messages"] > 0
 
 
-def test_a_log_is_read_at_once(
-    tmp_path: Path, rows: Callable[..., dict[str, dict[str, Any]]]
-) -> None:
+def test_a_log_is_read_at_once(tmp_path, rows):
     path = tmp_path / "log"
     log = lcm.EventLog(str(path), "w")
     message = String()
@@ -203,11 +177,7 @@ def test_a_log_is_read_at_once(
     assert (slow["senders"], slow["senders_lost"]) == (["unknown sender"], None)
 
 
-def test_tcpq_tells_neither_sender_nor_loss(
-    tcpq_server: Any,
-    start_python: Callable[..., Any],
-    rows: Callable[..., dict[str, dict[str, Any]]],
-) -> None:
+def test_tcpq_tells_neither_sender_nor_loss(tcpq_server, start_python, rows):
     start_python(PLAIN, LCM_DEFAULT_URL=tcpq_server.url).wait_for("sent")
     pose = rows(url=tcpq_server.url)["POSE"]
     assert pose["messages"] > 1
@@ -215,7 +185,7 @@ def test_tcpq_tells_neither_sender_nor_loss(
     assert (pose["senders"], pose["senders_lost"]) == (["unknown sender"], None)
 
 
-def test_an_empty_bus_is_said_to_be_one(cli: Run, bus_url: str) -> None:
+def test_an_empty_bus_is_said_to_be_one(cli, bus_url):
     done = cli("spy", "--once", "--wait", "1ms", "/a", env={"LCM_DEFAULT_URL": bus_url})
     assert (done.code, done.out) == (0, "")
     assert done.err == f"no topics in /a on {bus_url}\n"
@@ -223,28 +193,26 @@ def test_an_empty_bus_is_said_to_be_one(cli: Run, bus_url: str) -> None:
     assert done.out == "[]\n"
 
 
-def test_a_topic_that_is_published_only_when_heard_begins_to_come(
-    start_python: Callable[..., Any], rows: Callable[..., dict[str, dict[str, Any]]], bus_url: str
-) -> None:
+def test_a_topic_that_is_published_only_when_heard_begins_to_come(start_python, rows, bus_url):
     start_python(SHY, "heard", LCM_DEFAULT_URL=bus_url).wait_for("ready")
     assert rows()["/shy"]["messages"] > 2
 
 
 @pytest.fixture(scope="module")
-def silent_socket() -> Iterator[socket.socket]:
+def silent_socket():
     """A port that nobody answers on."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         yield taken
 
 
-def test_a_bus_that_cannot_be_reached_is_one_line(cli: Run, silent_socket: socket.socket) -> None:
+def test_a_bus_that_cannot_be_reached_is_one_line(cli, silent_socket):
     url = f"tcpq://127.0.0.1:{silent_socket.getsockname()[1]}"
     done = cli("spy", "--once", env={"LCM_DEFAULT_URL": url})
     assert (done.code, done.out, done.err.count("\n")) == (1, "", 1)
 
 
-def test_the_table_needs_no_textual(bus_url: str) -> None:
+def test_the_table_needs_no_textual(bus_url):
     script = (
         "import sys\n"
         "sys.modules['textual'] = sys.modules['rich'] = None\n"

@@ -9,13 +9,10 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Callable, Iterator
 from fcntl import ioctl
-from typing import Any
 
 import lcm
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line
 
 from lcmtools.types.geometry_msgs import Point
@@ -29,12 +26,12 @@ ESCAPE, ENTER = b"\x1b", b"\r"
 class Terminal:
     """A terminal with a program in it, and a bus that somebody publishes on meanwhile."""
 
-    def __init__(self, command: list[str], url: str, environment: dict[str, str]) -> None:
+    def __init__(self, command, url, environment):
         self.screen, self._end = pty.openpty()
         self.resize(30, 120)
         self.before = termios.tcgetattr(self._end)
         self.written = bytearray()
-        self.messages: dict[str, bytes] = {}
+        self.messages = {}
         self._bus = lcm.LCM(url) if url.startswith("udpm") else None
         # as some shells have it; the terminal's own size counts
         usual = {"LCM_DEFAULT_URL": url, "TERM": "xterm-256color", "COLUMNS": "77"}
@@ -46,16 +43,16 @@ class Terminal:
             env={**os.environ, **usual, **environment},
         )
 
-    def resize(self, rows: int, columns: int) -> None:
+    def resize(self, rows, columns):
         """Make it another size."""
         ioctl(self._end, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
-    def type(self, keys: bytes) -> None:
+    def type(self, keys):
         """Press keys; what was written before is forgotten."""
         self.written.clear()
         os.write(self.screen, keys)
 
-    def wait_for(self, *texts: str, timeout: float = 40.0) -> None:
+    def wait_for(self, *texts, timeout=40.0):
         """Publish, and read, until all the texts have been written."""
         deadline = time.monotonic() + timeout
         while not all(text.encode() in self.written for text in texts):
@@ -63,7 +60,7 @@ class Terminal:
             if time.monotonic() > deadline:
                 pytest.fail(f"no {texts} in {self.written.decode(errors='replace')[-3000:]}")
 
-    def wait(self, timeout: float = 20.0) -> int:
+    def wait(self, timeout=20.0):
         """The program's exit code; fails the test when it does not end in time."""
         deadline = time.monotonic() + timeout
         while self.program.poll() is None:
@@ -74,24 +71,24 @@ class Terminal:
         return self.program.returncode
 
     @property
-    def is_given_back(self) -> bool:
+    def is_given_back(self):
         """Return whether the terminal is as it was."""
         return LEFT in self.written and termios.tcgetattr(self._end) == self.before
 
-    def close_screen(self) -> None:
+    def close_screen(self):
         """Close the terminal's window."""
         os.close(self.screen)
         os.close(self._end)
         self.screen = -1
 
-    def close(self) -> None:
+    def close(self):
         """End it all."""
         self.program.kill()
         self.program.wait()
         if self.screen >= 0:
             self.close_screen()
 
-    def _publish_and_read(self) -> None:
+    def _publish_and_read(self):
         for channel, payload in self.messages.items():
             assert self._bus is not None
             self._bus.publish(channel, payload)
@@ -100,11 +97,11 @@ class Terminal:
 
 
 @pytest.fixture
-def spy(lcmtools_path: str, bus_url: str) -> Iterator[Callable[..., Terminal]]:
+def spy(lcmtools_path, bus_url):
     """``spy("--sort", "rate", url=..., NO_COLOR="1")``: the live view in a terminal."""
-    terminals: list[Terminal] = []
+    terminals = []
 
-    def run(*arguments: str, url: str = bus_url, **environment: str) -> Terminal:
+    def run(*arguments, url=bus_url, **environment):
         command = [lcmtools_path, "spy", *arguments]
         terminals.append(Terminal(command, url, environment))
         return terminals[-1]
@@ -114,7 +111,7 @@ def spy(lcmtools_path: str, bus_url: str) -> Iterator[Callable[..., Terminal]]:
         terminal.close()
 
 
-def point() -> bytes:
+def point():
     message = Point()
     message.x = 1234.5
     return message.encode()
@@ -124,9 +121,7 @@ def point() -> bytes:
     ("ending", "code"),
     [(b"q", 0), (b"\x03", 130), (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
 )
-def test_it_shows_the_bus_and_gives_the_terminal_back(
-    spy: Callable[..., Terminal], ending: bytes | signal.Signals, code: int
-) -> None:
+def test_it_shows_the_bus_and_gives_the_terminal_back(spy, ending, code):
     terminal = spy()
     terminal.messages["POSE"] = point()
     terminal.wait_for("\x1b[?1049h", "CHANNEL", "POSE", "geometry_msgs/Vector3 +1")
@@ -140,7 +135,7 @@ def test_it_shows_the_bus_and_gives_the_terminal_back(
     assert b"Traceback" not in terminal.written
 
 
-def test_it_ends_when_its_terminal_is_closed(spy: Callable[..., Terminal]) -> None:
+def test_it_ends_when_its_terminal_is_closed(spy):
     terminal = spy()
     terminal.messages["POSE"] = point()
     terminal.wait_for("CHANNEL", "POSE")
@@ -148,7 +143,7 @@ def test_it_ends_when_its_terminal_is_closed(spy: Callable[..., Terminal]) -> No
     assert terminal.program.wait(40) == 129
 
 
-def test_enter_decodes_whole_messages_however_large(spy: Callable[..., Terminal]) -> None:
+def test_enter_decodes_whole_messages_however_large(spy):
     terminal = spy()
     image = Image()
     image.encoding = "what a camera sends"
@@ -164,7 +159,7 @@ def test_enter_decodes_whole_messages_however_large(spy: Callable[..., Terminal]
     assert terminal.wait() == 0
 
 
-def test_the_table_is_drawn_anew_in_another_size(spy: Callable[..., Terminal]) -> None:
+def test_the_table_is_drawn_anew_in_another_size(spy):
     terminal = spy()
     terminal.messages["POSE"] = point()
     terminal.wait_for("POSE", "LISTENERS")
@@ -176,7 +171,7 @@ def test_the_table_is_drawn_anew_in_another_size(spy: Callable[..., Terminal]) -
     assert terminal.wait() == 0
 
 
-def test_no_color_is_honoured(spy: Callable[..., Terminal]) -> None:
+def test_no_color_is_honoured(spy):
     colored, plain = spy(), spy(NO_COLOR="1")
     for terminal in (colored, plain):
         terminal.messages["POSE"] = point()
@@ -186,9 +181,7 @@ def test_no_color_is_honoured(spy: Callable[..., Terminal]) -> None:
     assert b"42m" in colored.written
 
 
-def test_a_server_that_goes_away_is_a_line_on_the_screen(
-    spy: Callable[..., Terminal], tcpq_server: Any
-) -> None:
+def test_a_server_that_goes_away_is_a_line_on_the_screen(spy, tcpq_server):
     sender = lcm.LCM(tcpq_server.url)
     terminal = spy(url=tcpq_server.url)
     terminal.wait_for("CHANNEL")
@@ -220,9 +213,7 @@ def test_a_server_that_goes_away_is_a_line_on_the_screen(
     assert terminal.wait() == 0
 
 
-def test_a_bus_that_cannot_be_reached_is_told_before_the_screen_is_taken(
-    spy: Callable[..., Terminal], tcpq_server: Any
-) -> None:
+def test_a_bus_that_cannot_be_reached_is_told_before_the_screen_is_taken(spy, tcpq_server):
     tcpq_server.close()
     terminal = spy(url=tcpq_server.url)
     assert terminal.wait() == 1
@@ -231,7 +222,7 @@ def test_a_bus_that_cannot_be_reached_is_told_before_the_screen_is_taken(
     assert b"\x1b[?1049h" not in terminal.written
 
 
-def test_without_textual_one_line_says_what_to_install(bus_url: str) -> None:
+def test_without_textual_one_line_says_what_to_install(bus_url):
     script = (
         "import sys\n"
         "sys.modules['textual'] = None\n"
@@ -247,15 +238,13 @@ def test_without_textual_one_line_says_what_to_install(bus_url: str) -> None:
         terminal.close()
 
 
-def test_where_the_output_is_no_terminal_it_says_what_to_type(
-    bus_url: str, cli: Callable[..., Result]
-) -> None:
+def test_where_the_output_is_no_terminal_it_says_what_to_type(bus_url, cli):
     done = cli("spy", env={"LCM_DEFAULT_URL": bus_url})
     assert (done.code, done.out) == (2, "")
     assert_line(done.err, "lcmtools spy: ", "terminal; --once")
 
 
-def test_where_the_terminal_cannot_move_the_cursor_too(spy: Callable[..., Terminal]) -> None:
+def test_where_the_terminal_cannot_move_the_cursor_too(spy):
     terminal = spy(TERM="dumb")
     assert terminal.wait() == 2
     assert terminal.written == b"lcmtools spy: spy needs a terminal; --once prints the table\r\n"

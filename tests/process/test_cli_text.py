@@ -3,8 +3,6 @@
 import json
 import os
 import subprocess
-from collections.abc import Callable
-from pathlib import Path
 
 import lcm
 import pytest
@@ -17,7 +15,7 @@ ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> str:
+def log(tmp_path):
     """A log with one text, on /a."""
     message = String()
     message.data = TEXT
@@ -39,10 +37,8 @@ def log(tmp_path: Path) -> str:
         {"PYTHONIOENCODING": "ascii:strict"},
     ],
 )
-def test_a_pipe_gets_utf_8_in_any_locale(
-    environment: dict[str, str], log: str, lcmtools_path: str
-) -> None:
-    def echoed(*options: str) -> str:
+def test_a_pipe_gets_utf_8_in_any_locale(environment, log, lcmtools_path):
+    def echoed(*options):
         command = [lcmtools_path, "echo", "-b", log, "/a", *options]
         done = subprocess.run(
             command, env=os.environ | environment, stdout=subprocess.PIPE, check=True
@@ -60,7 +56,5 @@ def test_a_pipe_gets_utf_8_in_any_locale(
         (ASCII, 'data: "Hell\\xf6 \\u4f60 \\e[2J\\u202E"'),
     ],
 )
-def test_a_terminal_gets_what_it_can_show(
-    environment: dict[str, str], shown: str, log: str, on_terminal: Callable[..., str]
-) -> None:
+def test_a_terminal_gets_what_it_can_show(environment, shown, log, on_terminal):
     assert on_terminal("echo", "-b", log, "/a", **environment).splitlines()[0] == shown

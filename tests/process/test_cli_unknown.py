@@ -2,14 +2,9 @@
 
 import json
 import sys
-from collections.abc import Callable
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
-
-Run = Callable[..., Result]
 
 PLAIN = """
 import sys, time, lcm
@@ -23,9 +18,7 @@ while True:
 pytestmark = pytest.mark.usefixtures("private_network")
 
 
-def test_info_names_the_programs_that_may_be_subscribers(
-    cli: Run, start: Callable[..., Any], wait_until: Callable[..., None]
-) -> None:
+def test_info_names_the_programs_that_may_be_subscribers(cli, start, wait_until):
     program = start(sys.executable, "-c", PLAIN)
     wait_until(lambda: "CMD" in cli("list").out)
 
@@ -42,8 +35,8 @@ def test_info_names_the_programs_that_may_be_subscribers(
     ("words", "is_said"), [(["CMD"], True), (["/CMD"], False), (["CMD", "--plain-channel"], False)]
 )
 def test_pub_beside_plain_programs_tells_how_to_reach_their_channel(
-    words: list[str], *, is_said: bool, cli: Run, start: Callable[..., Any], wait_until: Any
-) -> None:
+    words, *, is_said, cli, start, wait_until
+):
     start(sys.executable, "-c", PLAIN)
     wait_until(lambda: "CMD" in cli("list").out)
 

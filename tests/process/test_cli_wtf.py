@@ -4,13 +4,10 @@ import json
 import shlex
 import signal
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.wire import encode_event
 
 from lcmtools.bus.url import parse_url
@@ -20,18 +17,15 @@ from lcmtools.graph.model import Graph, Node
 from lcmtools.labs.nodes.simple_controller import SimpleController
 from lcmtools.wire.packet import Packet
 
-Run = Callable[..., Result]
-
-
 # other tests have plain programs too
 pytestmark = pytest.mark.usefixtures("on_bus", "quiet_network")
 
 
 @pytest.fixture
-def wtf(cli: Run) -> Callable[[], tuple[int, str]]:
+def wtf(cli):
     """Exit code and output of a short wtf."""
 
-    def run() -> tuple[int, str]:
+    def run():
         # other tests' buses are on this computer too
         result = cli("wtf", "--wait", "0.2s", "--ignore", "other-buses")
         assert result.err == ""
@@ -40,9 +34,7 @@ def wtf(cli: Run) -> Callable[[], tuple[int, str]]:
     return run
 
 
-def test_killed_node_is_stale_until_it_is_cleaned_up(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], cli: Run
-) -> None:
+def test_killed_node_is_stale_until_it_is_cleaned_up(node, wtf, cli):
     talker = node("talker")
     talker.send_signal(signal.SIGKILL)
     talker.wait()
@@ -67,9 +59,7 @@ def test_killed_node_is_stale_until_it_is_cleaned_up(
     assert result.err == "no node has ended without saying goodbye\n"
 
 
-def test_killed_node_that_was_started_again_is_no_fault(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], cli: Run
-) -> None:
+def test_killed_node_that_was_started_again_is_no_fault(node, wtf, cli):
     killed = node("talker")
     killed.send_signal(signal.SIGKILL)
     killed.wait()
@@ -80,9 +70,7 @@ def test_killed_node_that_was_started_again_is_no_fault(
     assert cli("node", "ping", "-c", "1", "talker").code == 0
 
 
-def test_stopped_node_is_stale_until_it_goes_on(
-    node: Callable[..., Any], wtf: Callable[[], tuple[int, str]], cli: Run
-) -> None:
+def test_stopped_node_is_stale_until_it_goes_on(node, wtf, cli):
     talker = node("talker")
     talker.send_signal(signal.SIGSTOP)
     code, text = wtf()
@@ -123,8 +111,8 @@ CONTROLLER = (
 
 
 def test_evidence_of_a_live_bus_is_judged_as_roswtf_lists_it_and_again_without_the_bus(
-    start_node: Callable[..., Any], cli: Callable[..., Any], tmp_path: Path
-) -> None:
+    start_node, cli, tmp_path
+):
     start_node(SimpleController)
     options = ("--wait", "0.2s", "--ignore", "other-buses")
     result = cli("wtf", "--save", str(tmp_path / "seen"), *options)
@@ -136,10 +124,10 @@ def test_evidence_of_a_live_bus_is_judged_as_roswtf_lists_it_and_again_without_t
 
 
 @pytest.fixture
-def judge(cli: Callable[..., Any], tmp_path: Path) -> Callable[..., Any]:
+def judge(cli, tmp_path):
     """``judge(evidence, "--json")``: what wtf makes of saved evidence, without a bus."""
 
-    def run(evidence: Evidence, *options: str, command: str = "wtf") -> Any:
+    def run(evidence, *options, command="wtf"):
         save(evidence, tmp_path / "evidence.json")
         no_bus = {"LCM_DEFAULT_URL": "udpm://no bus"}
         return cli(command, "--from", str(tmp_path / "evidence.json"), *options, env=no_bus)
@@ -152,7 +140,7 @@ INFINITE = Oddity("not-finite", "/cmd", "driver.py (pid 7)", "linear.x is inf", 
 NODES = Graph((Node("/n", "n", "h", 1),))
 
 
-def test_an_empty_bus_is_a_warning_under_both_names(judge: Callable[..., Any]) -> None:
+def test_an_empty_bus_is_a_warning_under_both_names(judge):
     result = judge(EMPTY)
     assert result.code == 1
     assert result.out.splitlines()[3:] == [
@@ -166,7 +154,7 @@ def test_an_empty_bus_is_a_warning_under_both_names(judge: Callable[..., Any]) -
     assert judge(EMPTY, command="doctor") == result
 
 
-def test_json_has_each_finding_in_words_and_as_data(judge: Callable[..., Any]) -> None:
+def test_json_has_each_finding_in_words_and_as_data(judge):
     stopped = Listener("sink (pid 7)", 7, 0, state="T")
     result = judge(replace(EMPTY, graph=NODES, listeners=(stopped,)), "--json")
     assert result.code == 1
@@ -214,8 +202,8 @@ while True:
 
 
 def test_datagrams_that_are_nearly_lcms_are_shown_with_their_process_and_the_reason(
-    cli: Callable[..., Any], bus_url: str, start_python: Callable[..., Any]
-) -> None:
+    cli, bus_url, start_python
+):
     url = parse_url(bus_url)
     program = start_python(NEARLY_LCM, url.host, str(url.port))
     program.wait_for("sends")
@@ -232,7 +220,7 @@ def test_datagrams_that_are_nearly_lcms_are_shown_with_their_process_and_the_rea
     assert all(f"(pid {program.pid}): " in item for item in items)
 
 
-def test_only_one_rule_or_not_another(judge: Callable[..., Any]) -> None:
+def test_only_one_rule_or_not_another(judge):
     evidence = replace(EMPTY, graph=NODES, oddities=(INFINITE,))
     result = judge(evidence, "--rule", "not-finite", "--rule", "loss")
     assert result.code == 1
@@ -244,7 +232,7 @@ def test_only_one_rule_or_not_another(judge: Callable[..., Any]) -> None:
     assert judge(evidence, "--ignore", "not-finite").out == "No errors or warnings\n"
 
 
-def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path: Path) -> None:
+def test_evidence_that_is_none_costs_one_line(cli, tmp_path):
     file = tmp_path / "some.json"
     file.write_text("{}")
     result = cli("wtf", "--from", str(file))
@@ -265,7 +253,7 @@ def test_evidence_that_is_none_costs_one_line(cli: Callable[..., Any], tmp_path:
     assert (result.code, result.out) == (64, "")
 
 
-def test_rules_are_listed_and_explained(cli: Run) -> None:
+def test_rules_are_listed_and_explained(cli):
     listed = cli("wtf", "--list").out.splitlines()
     rules = json.loads(cli("wtf", "--list", "--json").out)
     assert [line.split()[0] for line in listed] == [rule["rule"] for rule in rules]
@@ -276,9 +264,7 @@ def test_rules_are_listed_and_explained(cli: Run) -> None:
         assert "\n\n   -> " in result.out
 
 
-def test_json_has_a_finding_where_the_environment_names_no_bus(
-    cli: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_json_has_a_finding_where_the_environment_names_no_bus(cli, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67")
     result = cli("wtf", "--json")
     assert (result.code, result.err) == (2, "")
@@ -290,18 +276,14 @@ def test_json_has_a_finding_where_the_environment_names_no_bus(
     assert cli("wtf", "--json", "--lcm-url", "udpm://x").out == ""
 
 
-def test_options_of_a_url_that_lcm_reads_otherwise_are_named(
-    cli: Run, bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_options_of_a_url_that_lcm_reads_otherwise_are_named(cli, bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url.replace("ttl=0", "tll=1&ttl=256"))
     text = cli("wtf", "--wait", "0.1s", "--rule", "environment").out
     assert "tll=1 has no effect; did you mean ttl?\n" in text
     assert "ttl=256 is sent as 0; the maximum is 255\n" in text
 
 
-def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(
-    node: Callable[..., Any], cli: Run, free_port: Callable[[], int], start: Any
-) -> None:
+def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(node, cli, free_port, start):
     """--ignore takes one rule's findings away, and none of another's."""
     node("listener")
     away = f"udpm://239.255.76.67:{free_port()}?ttl=0"
@@ -313,9 +295,7 @@ def test_what_another_bus_has_is_said_here_where_nobody_else_is_asked(
     assert rules == ["unconnected-subscriptions"]
 
 
-def test_the_damaged_bytes_of_a_log_are_left_out(
-    cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_damaged_bytes_of_a_log_are_left_out(cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     one, two, three, cut = (encode_event(n, Packet("A", bytes(40), n)) for n in range(4))
     Path("a ride.lcm").write_bytes(one + b"x" + two + three + cut[:-5])

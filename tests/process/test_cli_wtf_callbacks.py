@@ -2,13 +2,8 @@
 
 import json
 import re
-from collections.abc import Callable
-from typing import Any
 
 import pytest
-from fixtures.command import Result
-
-Run = Callable[..., Result]
 
 _NODE = """
 import sys, time
@@ -44,33 +39,27 @@ lcmtools.spin(node)
 
 
 @pytest.fixture(autouse=True)
-def _bus(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def _bus(bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
 
 
 @pytest.fixture(autouse=True)
-def _talker(start: Callable[..., Any], lcmtools_path: str) -> None:
+def _talker(start, lcmtools_path):
     start(lcmtools_path, "pub", "-r", "20", "/chatter", "std_msgs/String", "hi")
 
 
 @pytest.fixture
-def findings(cli: Run) -> Callable[[], dict[str, dict[str, Any]]]:
+def findings(cli):
     """The findings of wtf that are more than notes, by the rule."""
 
-    def look() -> dict[str, dict[str, Any]]:
+    def look():
         found = json.loads(cli("wtf", "--json").out)
         return {one["rule"]: one for one in found if one["severity"] != "note"}
 
     return look
 
 
-Findings = Callable[[], dict[str, dict[str, Any]]]
-Start = Callable[..., Any]
-
-
-def test_a_callback_that_loses_messages_is_told_with_its_time(
-    start_python: Start, findings: Findings
-) -> None:
+def test_a_callback_that_loses_messages_is_told_with_its_time(start_python, findings):
     start_python(_NODE, "4", "0.2", "0").wait_for("hears")
     (row,) = findings()["queue-drops"]["items"]
     assert re.fullmatch(
@@ -80,9 +69,7 @@ def test_a_callback_that_loses_messages_is_told_with_its_time(
     )
 
 
-def test_a_node_that_does_not_spin_is_told(
-    start_python: Start, findings: Findings, wait_until: Callable[..., None]
-) -> None:
+def test_a_node_that_does_not_spin_is_told(start_python, findings, wait_until):
     start_python(_NODE, "3", "0", "0", "never").wait_for("sleeps")
     wait_until(lambda: "queue-drops" in findings())
     found = findings()
@@ -92,7 +79,7 @@ def test_a_node_that_does_not_spin_is_told(
 
 
 @pytest.mark.timing
-def test_info_shows_how_long_callbacks_take(start_python: Start, cli: Run) -> None:
+def test_info_shows_how_long_callbacks_take(start_python, cli):
     start_python(_NODE, "10", "0.02", "0").wait_for("hears")
     assert " ms mean, 2" in cli("info", "/chatter").out
     assert " ms mean, 2" in cli("node", "info", "/ear").out
@@ -105,7 +92,7 @@ def test_info_shows_how_long_callbacks_take(start_python: Start, cli: Run) -> No
         assert ear["callback_time"] >= 200_000_000
 
 
-def test_service_info_shows_how_long_answers_take(start_python: Start, cli: Run) -> None:
+def test_service_info_shows_how_long_answers_take(start_python, cli):
     start_python(_NODE, "10", "0", "0").wait_for("hears")
     assert "Calls: 0\n" in cli("service", "info", "/rest").out
     assert cli("service", "call", "/rest").code == 0

@@ -4,9 +4,7 @@ import os
 import shlex
 import shutil
 import signal
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,7 +16,7 @@ _PID = 2  # in the container, where its first process is 1
 
 
 @pytest.fixture
-def contained(start: Callable[..., Any], lcmtools_path: str, cli: Callable[..., Any]) -> int:
+def contained(start, lcmtools_path, cli):
     """``lcmtools run talker`` in a pid namespace of its own; its pid here."""
     unshare = shutil.which("unshare")
     if not unshare or os.getuid() != 0:
@@ -31,16 +29,14 @@ def contained(start: Callable[..., Any], lcmtools_path: str, cli: Callable[..., 
     return pid
 
 
-def _is_it(pid: int) -> bool:
+def _is_it(pid):
     own, (namespace, inner) = innermost_pid(os.getpid()), innermost_pid(pid)
     if inner != _PID or namespace == own[0]:
         return False
     return b"talker" in Path(f"/proc/{pid}/cmdline").read_bytes()
 
 
-def test_a_contained_node_is_not_taken_for_the_process_of_its_number(
-    contained: int, cli: Callable[..., Any]
-) -> None:
+def test_a_contained_node_is_not_taken_for_the_process_of_its_number(contained, cli):
     shown = cli("node", "info", "talker").out
     assert ", in another container\n" in shown
     assert f"Pid: {_PID}\n" in shown

@@ -4,9 +4,6 @@ import os
 import socket
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -22,7 +19,7 @@ from lcmtools.doctor.lcm_processes import lcm_processes, processor_times, state_
 from lcmtools.doctor.self_test import large_problem, send_problem
 
 
-def test_the_size_of_a_receive_buffer_is_known_by_inode() -> None:
+def test_the_size_of_a_receive_buffer_is_known_by_inode():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         one.bind(("127.0.0.1", 0))
         for wanted in (20_000, 150_000):
@@ -31,7 +28,7 @@ def test_the_size_of_a_receive_buffer_is_known_by_inode() -> None:
             assert receive_buffers()[os.fstat(one.fileno()).st_ino] == granted
 
 
-def test_what_waits_in_a_socket_is_known() -> None:
+def test_what_waits_in_a_socket_is_known():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         one.bind(("127.0.0.1", 0))
         port = one.getsockname()[1]
@@ -43,7 +40,7 @@ def test_what_waits_in_a_socket_is_known() -> None:
         assert row.queued_bytes == 0
 
 
-def test_this_computer_is_described(bus_url: str) -> None:
+def test_this_computer_is_described(bus_url):
     url = parse_url(bus_url)
     with receiving_socket(url):
         here = host(url, {})
@@ -63,17 +60,17 @@ def test_this_computer_is_described(bus_url: str) -> None:
         ({"LCM_DEFAULT_URL": "udp://x"}, "LCM_DEFAULT_URL 'udp://x': no LCM provider 'udp'"),
     ],
 )
-def test_variables_that_are_wrong_are_told(variables: dict[str, str], complaint: str) -> None:
+def test_variables_that_are_wrong_are_told(variables, complaint):
     (line,) = host(parse_url("udpm://"), variables).environment
     assert line.startswith(complaint)
 
 
-def test_two_variables_that_name_the_same_bus_are_fine() -> None:
+def test_two_variables_that_name_the_same_bus_are_fine():
     variables = {"LCM_DEFAULT_URL": "udpm://239.255.76.67:7670?ttl=1", "LCMTOOLS_DOMAIN": "3"}
     assert host(parse_url("udpm://"), variables).environment == ()
 
 
-def test_a_package_of_types_in_two_places_is_told(tmp_path: Path) -> None:
+def test_a_package_of_types_in_two_places_is_told(tmp_path):
     for place in ("ros", "mine"):
         (tmp_path / place / "geometry_msgs").mkdir(parents=True)
     one, other = str(tmp_path / "ros"), str(tmp_path / "mine")
@@ -85,9 +82,7 @@ def test_a_package_of_types_in_two_places_is_told(tmp_path: Path) -> None:
     )
 
 
-def test_a_package_lcm_that_is_not_lcms_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_package_lcm_that_is_not_lcms_is_told(tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "lcm")
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "lcm").mkdir()
@@ -108,9 +103,7 @@ while True:
 """
 
 
-def test_a_program_on_another_bus_is_known_with_its_variable(
-    bus_url: str, free_port: Callable[[], int], start_python: Callable[..., Any]
-) -> None:
+def test_a_program_on_another_bus_is_known_with_its_variable(bus_url, free_port, start_python):
     other = f"udpm://239.255.76.67:{free_port()}?ttl=0"
     listener = start_python(_LISTENER, LCM_DEFAULT_URL=other)
     listener.wait_for("ready")
@@ -140,8 +133,8 @@ time.sleep(1000)
 
 @pytest.mark.parametrize("place", ["code", "argument"])
 def test_a_program_that_only_sends_is_where_its_code_or_argument_says(
-    place: str, bus_url: str, free_port: Callable[[], int], start: Any, tmp_path: Path
-) -> None:
+    place, bus_url, free_port, start, tmp_path
+):
     other = f"udpm://239.255.76.67:{free_port()}?ttl=0"
     file = tmp_path / "sender.py"
     file.write_text(_SENDER.format(url=f"'{other}'" if place == "code" else "sys.argv[1]"))
@@ -155,14 +148,14 @@ def test_a_program_that_only_sends_is_where_its_code_or_argument_says(
     assert found.is_guess == (place == "code")
 
 
-def test_a_process_has_a_state_and_a_time_that_it_was_busy() -> None:
+def test_a_process_has_a_state_and_a_time_that_it_was_busy():
     assert state_of(os.getpid()) in ("R", "S")
     assert processor_times(os.getpid())[0] > 0
     assert state_of(2**22 + 1) == ""
     assert processor_times(2**22 + 1) == (0, 0)
 
 
-def test_a_large_message_comes_back_and_reaches_nobody_else(bus_url: str) -> None:
+def test_a_large_message_comes_back_and_reaches_nobody_else(bus_url):
     url = parse_url(bus_url)
     with receiving_socket(url) as somebody:
         somebody.settimeout(0)
@@ -176,29 +169,25 @@ def test_a_large_message_comes_back_and_reaches_nobody_else(bus_url: str) -> Non
 class _Lossy(socket.socket):
     """Sends no datagram that is large, as where a firewall drops them."""
 
-    def sendto(self, data: bytes, address: tuple[str, int]) -> int:  # type: ignore[override]
+    def sendto(self, data, address):
         return len(data) if len(data) > 60_000 else super().sendto(data, address)
 
 
-def test_a_large_message_that_is_lost_is_told(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_large_message_that_is_lost_is_told(bus_url, monkeypatch):
     monkeypatch.setattr(
         self_test, "sending_socket", lambda _: _Lossy(socket.AF_INET, socket.SOCK_DGRAM)
     )
     assert large_problem(parse_url(bus_url)) == "part 1 of 5, 65507 bytes, is lost"
 
 
-def test_datagrams_that_the_system_refuses_to_send_are_told(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_datagrams_that_the_system_refuses_to_send_are_told(bus_url, monkeypatch):
     monkeypatch.setattr(self_test, "fragments", lambda *_: iter([bytes(70_000)]))
     problem = large_problem(parse_url(bus_url))
     assert problem == "the system does not send datagrams as large as LCM's"
 
 
 @pytest.mark.usefixtures("private_network")
-def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -> None:
+def test_what_forbids_sending_is_told_with_what_helps(ip):
     url = parse_url("udpm://239.255.76.67:7667?ttl=1")
     assert send_problem(url) == ("", "")
     for kind, reason in (("prohibit", "Permission denied"), ("blackhole", "Invalid argument")):
@@ -219,7 +208,7 @@ def test_what_forbids_sending_is_told_with_what_helps(ip: Callable[..., None]) -
 
 
 @pytest.mark.usefixtures("private_network")
-def test_the_route_is_that_of_the_kernel_whichever_table_has_it(ip: Callable[..., None]) -> None:
+def test_the_route_is_that_of_the_kernel_whichever_table_has_it(ip):
     """As with a VPN: the main table leads elsewhere, or nowhere."""
     group = "239.255.76.67"
     assert route_interface(group) == "lo"
@@ -239,9 +228,7 @@ def test_the_route_is_that_of_the_kernel_whichever_table_has_it(ip: Callable[...
 
 
 @pytest.mark.parametrize("name", ["PYTHONPATH", "LCMTOOLS_TYPE_PATH"])
-def test_a_folder_that_cannot_be_looked_into_is_named_with_its_variable(
-    name: str, tmp_path: Path, bus_url: str
-) -> None:
+def test_a_folder_that_cannot_be_looked_into_is_named_with_its_variable(name, tmp_path, bus_url):
     loop = tmp_path / "loop"
     loop.symlink_to(loop)
     here = host(parse_url(bus_url), {name: f"{loop}/types:{tmp_path / 'gone'}"})
@@ -250,7 +237,7 @@ def test_a_folder_that_cannot_be_looked_into_is_named_with_its_variable(
 
 
 @pytest.fixture
-def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def interfaces(tmp_path, monkeypatch):
     """Two bridges, br0 with the port eth0, and wlan0, in place of /sys/class/net."""
     monkeypatch.setattr("lcmtools.doctor.host._NET", tmp_path)
     for name, querier in (("br0", 0), ("br1", 1)):
@@ -269,24 +256,24 @@ def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     [("br0", "br0"), ("eth0", "br0"), ("br1", ""), ("wlan0", ""), ("gone", ""), ("", "")],
 )
 @pytest.mark.usefixtures("interfaces")
-def test_a_bridge_that_does_not_ask_who_listens_is_found(interface: str, bridge: str) -> None:
+def test_a_bridge_that_does_not_ask_who_listens_is_found(interface, bridge):
     assert silent_bridge(interface) == bridge
 
 
-def test_a_bridge_that_passes_everything_on_need_not_ask(interfaces: Path) -> None:
+def test_a_bridge_that_passes_everything_on_need_not_ask(interfaces):
     (interfaces / "br0/bridge/multicast_snooping").write_text("0\n")
     assert silent_bridge("eth0") == ""
 
 
 @pytest.fixture
-def rules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+def rules(tmp_path, monkeypatch):
     """``rules("...")``: what nft prints; no other firewall is there, and the user is root."""
     monkeypatch.setattr("lcmtools.doctor.host._UFW", tmp_path / "ufw.conf")
     monkeypatch.setattr("lcmtools.doctor.host._FIREWALLD", tmp_path / "firewalld.pid")
     monkeypatch.setattr("os.getuid", lambda: 0)
     monkeypatch.setenv("PATH", str(tmp_path))
 
-    def write(text: str) -> None:
+    def write(text):
         program = tmp_path / "nft"
         program.write_text(f"#!/bin/sh\n/bin/cat <<'END'\n{text}\nEND\n")
         program.chmod(0o755)
@@ -298,16 +285,14 @@ _TRAFFIC = Traffic("239.255.76.67", 7667, "eth0")
 _DROPS = "table inet t {\n chain c {\n  type filter hook input priority 0; policy drop;\n }\n}"
 
 
-def test_rules_that_drop_are_a_firewall_and_others_are_none(rules: Callable[[str], None]) -> None:
+def test_rules_that_drop_are_a_firewall_and_others_are_none(rules):
     rules(_DROPS)
     assert firewall(_TRAFFIC) == ("nftables", "inet t c", "")
     rules(_DROPS.replace("drop", "accept"))
     assert firewall(_TRAFFIC) == ("", "", "")
 
 
-def test_who_is_not_root_is_told_that_rules_are_unknown(
-    rules: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_who_is_not_root_is_told_that_rules_are_unknown(rules, monkeypatch):
     rules(_DROPS)
     monkeypatch.setattr("os.getuid", lambda: 1000)
     name, _, unknown = firewall(_TRAFFIC)
@@ -316,16 +301,14 @@ def test_who_is_not_root_is_told_that_rules_are_unknown(
 
 
 @pytest.mark.usefixtures("rules")
-def test_where_no_program_shows_the_rules_they_are_unknown() -> None:
+def test_where_no_program_shows_the_rules_they_are_unknown():
     name, _, unknown = firewall(_TRAFFIC)
     assert name == ""
     assert unknown.startswith("neither nft nor iptables-save is installed")
 
 
 @pytest.mark.usefixtures("rules")
-def test_a_firewall_that_says_so_itself_needs_no_root(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_firewall_that_says_so_itself_needs_no_root(tmp_path, monkeypatch):
     monkeypatch.setattr("os.getuid", lambda: 1000)
     (tmp_path / "firewalld.pid").touch()
     assert firewall(_TRAFFIC) == ("firewalld", "", "")

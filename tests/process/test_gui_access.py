@@ -2,18 +2,13 @@
 
 import gzip
 import socket
-from collections.abc import Callable
 from http import HTTPStatus
 from http.client import HTTPConnection
-from pathlib import Path
-from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from fixtures.command import Result
-from fixtures.programs import Program
 from fixtures.says import assert_says
-from fixtures.window import LivePage, Open
+from fixtures.window import LivePage
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from lcmtools.gui.access import HEADERS
@@ -25,7 +20,7 @@ from lcmtools.gui.static_files import StaticFiles
 @pytest.mark.parametrize(
     "path", ["/", "/main.js", "/panels/topics.js", "/none", "/socket", "/%2e%2e/server.py"]
 )
-def test_every_answer_keeps_others_out(open_window: Open, path: str) -> None:
+def test_every_answer_keeps_others_out(open_window, path):
     window = open_window()
     response = window.get(path)
     assert response.status == {"/none": 404, "/%2e%2e/server.py": 404, "/socket": 403}.get(
@@ -49,9 +44,7 @@ def test_every_answer_keeps_others_out(open_window: Open, path: str) -> None:
         ("", None),
     ],
 )
-def test_files_are_compressed_for_browsers_that_accept_it(
-    open_window: Open, accepted: str, encoding: str | None
-) -> None:
+def test_files_are_compressed_for_browsers_that_accept_it(open_window, accepted, encoding):
     window = open_window()
     plain = (STATIC / "style.css").read_bytes()
     response = window.get("/style.css", **{"Accept-Encoding": accepted})
@@ -67,7 +60,7 @@ def test_files_are_compressed_for_browsers_that_accept_it(
     assert window.get("/style.css", **other).status == 200
 
 
-def test_a_file_is_compressed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_is_compressed_once(tmp_path, monkeypatch):
     (tmp_path / "index.html").write_text("hello")
     files = StaticFiles(tmp_path)
     first = files.get("/", "gzip")
@@ -76,7 +69,7 @@ def test_a_file_is_compressed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert files.get("/none", "gzip") is None
 
 
-def test_no_file_outside_of_the_page_is_served(open_window: Open) -> None:
+def test_no_file_outside_of_the_page_is_served(open_window):
     window = open_window()
     for path in (
         "/../server.py",
@@ -101,9 +94,7 @@ def test_no_file_outside_of_the_page_is_served(open_window: Open) -> None:
         ({"Host": "evil.example", "Origin": "http://evil.example"}, 403),
     ],
 )
-def test_a_page_of_others_gets_no_connection(
-    open_window: Open, headers: dict[str, Any], status: int
-) -> None:
+def test_a_page_of_others_gets_no_connection(open_window, headers, status):
     window = open_window()
     with pytest.raises(InvalidStatus) as caught:
         window.page(**headers)
@@ -112,13 +103,13 @@ def test_a_page_of_others_gets_no_connection(
         assert page.hello["rights"] == ["watch", "command"]
 
 
-def test_it_listens_on_this_computer_alone(open_window: Open) -> None:
+def test_it_listens_on_this_computer_alone(open_window):
     window = open_window()
     with pytest.raises(ConnectionRefusedError):  # as any other address of this computer
         socket.create_connection(("127.0.0.2", window.port)).close()
 
 
-def test_a_token_gives_the_right_to_watch_or_to_command(open_window: Open) -> None:
+def test_a_token_gives_the_right_to_watch_or_to_command(open_window):
     window = open_window("0.0.0.0")  # noqa: S104 - that is what is tested
     form = {"topic": "/a", "type": "std_msgs/String", "values": {"data": "x"}}
     assert window.get("/").status == 403
@@ -135,7 +126,7 @@ def test_a_token_gives_the_right_to_watch_or_to_command(open_window: Open) -> No
         assert page.request("do", "publish", **form)["answer"] is None
 
 
-def test_nobody_commands_a_read_only_window(open_window: Open) -> None:
+def test_nobody_commands_a_read_only_window(open_window):
     window = open_window(read_only=True)
     form = {"topic": "/a", "type": "std_msgs/String", "values": {"data": "x"}}
     with window.page() as page:
@@ -154,9 +145,7 @@ def test_nobody_commands_a_read_only_window(open_window: Open) -> None:
         '{"op": "ask", "id": 1, "what": "x"}',
     ],
 )
-def test_rubbish_closes_its_page_and_no_other_and_is_told_once(
-    open_window: Open, rubbish: str | bytes, wait_until: Callable[..., None]
-) -> None:
+def test_rubbish_closes_its_page_and_no_other_and_is_told_once(open_window, rubbish, wait_until):
     window = open_window()
     with window.page() as other:
         for _ in range(2):
@@ -172,7 +161,7 @@ def test_rubbish_closes_its_page_and_no_other_and_is_told_once(
     assert window.told[0].startswith("a page was closed: ")
 
 
-def test_rubbish_behind_open_streams_closes_its_page_too(open_window: Open) -> None:
+def test_rubbish_behind_open_streams_closes_its_page_too(open_window):
     window = open_window()
     for _ in range(10):  # in the turn in which the first stream wakes what writes
         with window.page() as page:
@@ -182,7 +171,7 @@ def test_rubbish_behind_open_streams_closes_its_page_too(open_window: Open) -> N
                 page.until(lambda _: False)
 
 
-def test_a_message_that_is_too_long_closes_its_page(open_window: Open) -> None:
+def test_a_message_that_is_too_long_closes_its_page(open_window):
     window = open_window()
     with window.page() as page:
         page.socket.send("x" * (LONGEST_REQUEST + 1))
@@ -194,8 +183,8 @@ def test_a_message_that_is_too_long_closes_its_page(open_window: Open) -> None:
 
 @pytest.mark.parametrize("words", [(), ("--read-only",), ("--no-token",)])
 def test_this_computers_address_has_a_token_unless_nobody_wants_one(
-    start: Callable[..., Program], lcmtools_path: str, bus_url: str, words: tuple[str, ...]
-) -> None:
+    start, lcmtools_path, bus_url, words
+):
     window = start(lcmtools_path, "gui", *words, "--port", "0", "--no-open", "--lcm-url", bus_url)
     _, address = window.wait_for("http://").split()
     assert ("?token=" in address) == ("--no-token" not in words)
@@ -212,9 +201,7 @@ def test_this_computers_address_has_a_token_unless_nobody_wants_one(
         assert ("command" in page.hello["rights"]) == ("--read-only" not in words)
 
 
-def test_two_addresses_are_told_where_others_may_watch(
-    cli: Callable[..., Result], bus_url: str
-) -> None:
+def test_two_addresses_are_told_where_others_may_watch(cli, bus_url):
     arguments = ("--host", "127.0.0.2", "--port", "0", "--no-open", "--lcm-url", bus_url)
     result = cli("gui", *arguments, until="Ctrl-C ends it")
     watch, command, _ = result.err.splitlines()

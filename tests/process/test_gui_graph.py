@@ -1,8 +1,5 @@
 """The window's graph over a real bus, without a browser: its places, rates and findings."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 from fixtures.window import LiveWindow
 
@@ -11,9 +8,7 @@ from lcmtools.types.std_msgs import String
 
 
 @pytest.mark.usefixtures("quiet_network")
-def test_the_graph_has_rates_and_the_findings_their_nodes(
-    start_node: Callable[..., Any], bus_url: str
-) -> None:
+def test_the_graph_has_rates_and_the_findings_their_nodes(start_node, bus_url):
     talker = start_node(lambda: Node("talker")).node
     publisher = talker.create_publisher(String, "/chatter")
     talker.create_timer(0.05, lambda: publisher.publish(String()))

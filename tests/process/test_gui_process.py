@@ -5,13 +5,9 @@ import signal
 import socket
 import sys
 import threading
-from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
 
 import pytest
-from fixtures.command import Result
-from fixtures.programs import Program
 from fixtures.says import assert_line, assert_says
 from fixtures.window import LivePage
 from websockets.exceptions import ConnectionClosed
@@ -24,9 +20,7 @@ from lcmtools.gui.source import BusSource
 from lcmtools.observe.reading.monitor import BusMonitor
 
 
-def test_ctrl_c_tells_all_pages_and_ends(
-    start: Callable[..., Program], lcmtools_path: str, bus_url: str
-) -> None:
+def test_ctrl_c_tells_all_pages_and_ends(start, lcmtools_path, bus_url):
     program = start(
         lcmtools_path, "gui", "--port", "0", "--no-open", "--json", LCM_DEFAULT_URL=bus_url
     )
@@ -41,11 +35,11 @@ def test_ctrl_c_tells_all_pages_and_ends(
     assert program.wait() == 128 + signal.SIGINT
 
 
-def test_a_signal_waits_for_the_step_that_the_server_does(bus_url: str) -> None:
+def test_a_signal_waits_for_the_step_that_the_server_does(bus_url):
     """Within asyncio, an interrupt can leave a connection half closed, which never ends."""
-    done: list[int] = []
+    done = []
 
-    def start(port: int) -> None:
+    def start(port):
         signal.raise_signal(signal.SIGINT)
         done.append(port)
 
@@ -58,9 +52,7 @@ def test_a_signal_waits_for_the_step_that_the_server_does(bus_url: str) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_a_server_on_a_thread_ends_with_its_block_and_raises_where_it_begins(
-    bus_url: str,
-) -> None:
+def test_a_server_on_a_thread_ends_with_its_block_and_raises_where_it_begins(bus_url):
     with BusMonitor(parse_url(bus_url), "gui", {}) as monitor, closing(BusSource(monitor)) as bus:
         server = Server(bus, access_for(None), {}, lambda _: None)
         with server.serving("127.0.0.1", 0) as port:
@@ -75,9 +67,7 @@ def test_a_server_on_a_thread_ends_with_its_block_and_raises_where_it_begins(
     assert "pages" not in {thread.name for thread in threading.enumerate()}
 
 
-def test_a_port_in_use_is_an_error_with_the_next_step(
-    cli: Callable[..., Result], bus_url: str
-) -> None:
+def test_a_port_in_use_is_an_error_with_the_next_step(cli, bus_url):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         result = cli("gui", "--port", str(port), "--no-open", "--lcm-url", bus_url)
@@ -86,17 +76,13 @@ def test_a_port_in_use_is_an_error_with_the_next_step(
     assert_line(result.err, "lcmtools gui all: ", *parts)
 
 
-def test_an_address_of_another_computer_is_an_error(
-    cli: Callable[..., Result], bus_url: str
-) -> None:
+def test_an_address_of_another_computer_is_an_error(cli, bus_url):
     result = cli("gui", "--host", "192.0.2.1", "--port", "0", "--no-open", "--lcm-url", bus_url)
     assert (result.code, result.err.count("\n")) == (1, 1)
     assert_says(result.err, "lcmtools gui all: ", "cannot listen", "192.0.2.1: ")
 
 
-def test_the_extra_is_named_where_it_is_missing(
-    cli: Callable[..., Result], bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_extra_is_named_where_it_is_missing(cli, bus_url, monkeypatch):
     monkeypatch.delitem(sys.modules, "lcmtools.gui.server", raising=False)
     monkeypatch.setitem(sys.modules, "websockets.asyncio.server", None)
     result = cli("gui", "topics", "--lcm-url", bus_url)
@@ -105,8 +91,8 @@ def test_the_extra_is_named_where_it_is_missing(
 
 
 def test_a_recording_is_finished_and_reported_when_the_server_ends(
-    start: Callable[..., Program], lcmtools_path: str, bus_url: str, tmp_path: Path
-) -> None:
+    start, lcmtools_path, bus_url, tmp_path
+):
     words = ("--json", "--record-directory", str(tmp_path), "--lcm-url", bus_url)
     program = start(lcmtools_path, "gui", "--port", "0", "--no-open", *words)
     program.wait_for("}")

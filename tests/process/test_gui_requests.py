@@ -3,33 +3,26 @@
 import math
 import threading
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
-from fixtures.window import LivePage, Open
 
 import lcmtools
 from lcmtools import Node
 from lcmtools.bag.writer import LogWriter
-from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.errors import LcmtoolsError
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import PoseStamped, PoseWithCovarianceStamped
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import SetBool, Trigger
 
-Start = Callable[..., Any]
-
 
 class Server(Node):
     """A node with services and parameters."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("server")
-        self.received: list[bool] = []
+        self.received = []
         self.goes_on = threading.Event()
         self.create_service(SetBool, "switch", self._switch)
         self.create_service(Trigger, "stuck", self._be_stuck)
@@ -37,21 +30,21 @@ class Server(Node):
         self.declare_parameter("gain", 1.0, "effort", minimum=0.0, maximum=10.0)
         self.declare_parameter("model", "husky", read_only=True)
 
-    def _switch(self, request: Any, response: Any) -> Any:
+    def _switch(self, request, response):
         self.received.append(request.data)
         response.success, response.message = request.data, "switched"
         return response
 
-    def _be_stuck(self, _: Any, response: Any) -> Any:
+    def _be_stuck(self, _, response):
         self.goes_on.wait(40)
         return response
 
-    def _fail(self, _request: Any, _response: Any) -> Any:
+    def _fail(self, _request, _response):
         raise RuntimeError("no power")
 
 
 @pytest.fixture
-def server(start_node: Start) -> Any:
+def server(start_node):
     """A node on the test's bus, which leaves with the test."""
     node = start_node(Server).node
     yield node
@@ -59,7 +52,7 @@ def server(start_node: Start) -> Any:
 
 
 @pytest.fixture
-def page(open_window: Open, server: Any) -> Any:  # noqa: ARG001 - it runs
+def page(open_window, server):  # noqa: ARG001 - it runs
     """A page that sees the node."""
     with open_window().page() as opened:
         opened.open(1, "offers")
@@ -67,14 +60,14 @@ def page(open_window: Open, server: Any) -> Any:  # noqa: ARG001 - it runs
         yield opened
 
 
-def call(page: LivePage, service: str, **options: Any) -> Any:
+def call(page, service, **options):
     """Call a service by the form of its request; return the answer's frame."""
     kind = "SetBool" if service == "/switch" else "Trigger"
     usual = {"type": f"std_srvs/{kind}_Request", "values": {}}
     return page.request("do", "call", service=service, **{**usual, **options})
 
 
-def test_services_and_nodes_with_parameters_are_offered(page: LivePage) -> None:
+def test_services_and_nodes_with_parameters_are_offered(page):
     page.open(2, "offers")
     data = page.data(2)
     assert {"name": "/switch", "types": ["std_srvs/SetBool"], "nodes": ["/server"]} in (
@@ -83,7 +76,7 @@ def test_services_and_nodes_with_parameters_are_offered(page: LivePage) -> None:
     assert not [one for one in data["services"] if "_parameters" in one["name"]]
 
 
-def test_a_service_is_called_and_its_answer_unfolds(page: LivePage, server: Any) -> None:
+def test_a_service_is_called_and_its_answer_unfolds(page, server):
     answer = call(page, "/switch", values={"data": True})["answer"]
     assert server.received == [True]
     assert answer["failure"] == ""
@@ -112,16 +105,14 @@ def test_a_service_is_called_and_its_answer_unfolds(page: LivePage, server: Any)
         ("", {}, ["name is empty"]),
     ],
 )
-def test_a_call_that_fails_says_why(
-    page: LivePage, server: Any, service: str, options: dict[str, Any], words: list[str]
-) -> None:
+def test_a_call_that_fails_says_why(page, server, service, options, words):
     assert_says(call(page, service, **options)["error"]["what"], *words)
     server.goes_on.set()
     assert server.received == []
 
 
 @pytest.mark.usefixtures("server")
-def test_a_server_that_ends_waits_for_no_service(open_window: Open) -> None:
+def test_a_server_that_ends_waits_for_no_service(open_window):
     window = open_window()
     with window.page() as page:
         page.open(1, "offers")
@@ -134,8 +125,8 @@ def test_a_server_that_ends_waits_for_no_service(open_window: Open) -> None:
     assert time.monotonic() - start < 20
 
 
-def test_parameters_are_read_and_set_with_the_answer_of_the_node(page: LivePage) -> None:
-    def values(frame: dict[str, Any]) -> dict[str, str]:
+def test_parameters_are_read_and_set_with_the_answer_of_the_node(page):
+    def values(frame):
         return {one["name"]: one["value"] for one in frame["answer"]}
 
     found = page.request("ask", "node-parameters", node="/server")["answer"]
@@ -161,9 +152,7 @@ def test_parameters_are_read_and_set_with_the_answer_of_the_node(page: LivePage)
 
 
 @pytest.mark.parametrize("what", ["call", "set-parameter", "record", "stop-recording"])
-def test_a_page_that_may_only_watch_commands_no_node(
-    open_window: Open, tmp_path: Path, what: str
-) -> None:
+def test_a_page_that_may_only_watch_commands_no_node(open_window, tmp_path, what):
     window = open_window(read_only=True, directory=tmp_path)
     with window.page() as page:
         refused = page.request("do", what, node="/server", service="/switch", topics=[])
@@ -171,14 +160,14 @@ def test_a_page_that_may_only_watch_commands_no_node(
     assert list(tmp_path.iterdir()) == []
 
 
-def recorded(directory: Path) -> list[str]:
+def recorded(directory):
     """Return the texts in the only log of a directory."""
     [path] = directory.glob("*.lcmlog")
     with lcmtools.bag.open(path) as log:
         return [arrival.message.data for arrival in log.messages("/chatter")]
 
 
-def publish(bus: UdpBus, page: LivePage, number: int) -> None:
+def publish(bus, page, number):
     """Publish until the recording that the page sees has a message."""
     text = String()
     text.data = "hello"
@@ -190,9 +179,7 @@ def publish(bus: UdpBus, page: LivePage, number: int) -> None:
             return
 
 
-def test_a_recording_counts_and_its_file_is_finished(
-    open_window: Open, bus: UdpBus, tmp_path: Path
-) -> None:
+def test_a_recording_counts_and_its_file_is_finished(open_window, bus, tmp_path):
     directory = tmp_path / "100%d"
     directory.mkdir()
     with open_window(directory=directory).page() as page:
@@ -213,9 +200,7 @@ def test_a_recording_counts_and_its_file_is_finished(
         assert list(log.topics) == ["/chatter"]
 
 
-def test_a_server_that_ends_finishes_its_recording(
-    open_window: Open, bus: UdpBus, tmp_path: Path
-) -> None:
+def test_a_server_that_ends_finishes_its_recording(open_window, bus, tmp_path):
     window = open_window(directory=tmp_path)
     with window.page() as page:
         page.open(1, "recording")
@@ -226,10 +211,8 @@ def test_a_server_that_ends_finishes_its_recording(
     assert list(tmp_path.glob("*.index")) or list(tmp_path.glob(".*"))
 
 
-def test_a_full_disk_ends_a_recording_and_is_said(
-    open_window: Open, bus: UdpBus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: object) -> None:
+def test_a_full_disk_ends_a_recording_and_is_said(open_window, bus, tmp_path, monkeypatch):
+    def fail(*_):
         raise LcmtoolsError("cannot write: No space left on device")
 
     with open_window(directory=tmp_path).page() as page:
@@ -246,9 +229,7 @@ def test_a_full_disk_ends_a_recording_and_is_said(
         assert "answer" in page.request("do", "stop-recording")
 
 
-def test_a_working_directory_that_is_gone_is_said(
-    open_window: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_working_directory_that_is_gone_is_said(open_window, tmp_path, monkeypatch):
     gone = tmp_path / "gone"
     gone.mkdir()
     monkeypatch.chdir(gone)
@@ -259,7 +240,7 @@ def test_a_working_directory_that_is_gone_is_said(
     assert_says(error["hint"], "--record-directory")
 
 
-def test_a_directory_that_cannot_be_written_is_said(open_window: Open, tmp_path: Path) -> None:
+def test_a_directory_that_cannot_be_written_is_said(open_window, tmp_path):
     with open_window(directory=tmp_path / "gone").page() as page:
         error = page.request("do", "record", topics=["../../etc/passwd"])["error"]["what"]
         assert_says(error, "gone", "No such file")
@@ -269,11 +250,11 @@ def test_a_directory_that_cannot_be_written_is_said(open_window: Open, tmp_path:
 
 @pytest.mark.parametrize("kind", [PoseStamped, PoseWithCovarianceStamped])
 def test_a_pose_has_the_type_that_nodes_of_its_topic_announce(
-    open_window: Open, start_node: Start, wait_until: Callable[..., None], kind: Any
-) -> None:
-    came: list[Any] = []
+    open_window, start_node, wait_until, kind
+):
+    came = []
 
-    def make() -> Node:
+    def make():
         node = Node("amcl")
         node.create_subscription(kind, "/initialpose", came.append)
         return node

@@ -3,16 +3,11 @@
 import itertools
 import json
 import threading
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
 
 import pytest
-from fixtures.programs import Program
 from fixtures.says import assert_says
-from fixtures.window import Open
 
-from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.gui import streams
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.codec import encode
@@ -24,17 +19,17 @@ from lcmtools.types.sensor_msgs import CompressedImage
 from lcmtools.types.std_msgs import String
 
 
-def filled(kind: type[Any], **values: Any) -> Any:
+def filled(kind, **values):
     """A message with some of its fields set."""
     return draft(kind, values).message
 
 
 @contextmanager
-def repeated(bus: UdpBus, topic: str, message: Callable[[int], Any]) -> Iterator[None]:
+def repeated(bus, topic, message):
     """Publish messages by their number until the block ends."""
     ends = threading.Event()
 
-    def run() -> None:
+    def run():
         for number in itertools.count():
             bus.publish(topic, encode(message(number)))
             if ends.wait(0.01):
@@ -58,9 +53,7 @@ def repeated(bus: UdpBus, topic: str, message: Callable[[int], Any]) -> Iterator
         ({"topic": "/a", "toggled": ["x"] * 2000}, "'toggled' is not a short list"),
     ],
 )
-def test_a_stream_that_cannot_be_opened_leaves_its_page_open(
-    open_window: Open, bus: UdpBus, parameters: dict[str, Any], problem: str
-) -> None:
+def test_a_stream_that_cannot_be_opened_leaves_its_page_open(open_window, bus, parameters, problem):
     with open_window().page() as page, repeated(bus, "/a", lambda _: String()):
         page.open(1, "message", **parameters)
         assert page.problem(1) == problem
@@ -69,7 +62,7 @@ def test_a_stream_that_cannot_be_opened_leaves_its_page_open(
         assert page.data(3, lambda data: data["rows"])
 
 
-def test_a_world_of_many_robots_is_drawn_and_too_many_are_said(open_window: Open) -> None:
+def test_a_world_of_many_robots_is_drawn_and_too_many_are_said(open_window):
     with open_window().page() as page:
         for number in range(300):
             page.open(number, "newest", topic=f"/robot{number}/odometry")
@@ -78,7 +71,7 @@ def test_a_world_of_many_robots_is_drawn_and_too_many_are_said(open_window: Open
         assert_says(page.problem(300), "too much", "; close")
 
 
-def test_topics_come_and_go_with_their_rates(open_window: Open, bus: UdpBus) -> None:
+def test_topics_come_and_go_with_their_rates(open_window, bus):
     window = open_window()
     with window.page() as page:
         page.open(1, "topics")
@@ -88,7 +81,7 @@ def test_topics_come_and_go_with_their_rates(open_window: Open, bus: UdpBus) -> 
         assert (row["channel"], row["types"]) == ("/chatter", ["std_msgs/String"])
 
 
-def test_a_message_is_decoded_with_its_lines(open_window: Open, bus: UdpBus) -> None:
+def test_a_message_is_decoded_with_its_lines(open_window, bus):
     window = open_window()
     with window.page() as page:
         page.open(3, "message", topic="/twist", toggled=["linear"])
@@ -104,8 +97,8 @@ def test_a_message_is_decoded_with_its_lines(open_window: Open, bus: UdpBus) -> 
 
 
 def test_a_latched_message_comes_to_a_panel_that_is_opened_later(
-    open_window: Open, start: Callable[..., Program], lcmtools_path: str, bus_url: str
-) -> None:
+    open_window, start, lcmtools_path, bus_url
+):
     """The window subscribes to it already, so that its publisher does not send it again."""
     words = ("pub", "--latch", "/note", "std_msgs/String", "data: once")
     window = open_window()
@@ -118,9 +111,7 @@ def test_a_latched_message_comes_to_a_panel_that_is_opened_later(
             assert page.data(number)["lines"] == [["data", "data", 0, '"once"', 0, False]]
 
 
-def test_a_large_message_that_was_said_once_is_shown_in_every_panel_later(
-    open_window: Open, bus: UdpBus
-) -> None:
+def test_a_large_message_that_was_said_once_is_shown_in_every_panel_later(open_window, bus):
     window = open_window()
     with window.page() as page:
         page.open(1, "topics")
@@ -140,8 +131,8 @@ def test_a_large_message_that_was_said_once_is_shown_in_every_panel_later(
 
 
 def test_a_large_latched_message_comes_to_a_server_that_begins_later(
-    open_window: Open, start: Callable[..., Program], lcmtools_path: str, bus_url: str
-) -> None:
+    open_window, start, lcmtools_path, bus_url
+):
     words = ("pub", "--latch", "/note", "std_msgs/String", f"data: {'x' * 100_000}")
     start(lcmtools_path, *words, LCM_DEFAULT_URL=bus_url).wait_for("latching")
     for _ in range(2):
@@ -152,9 +143,7 @@ def test_a_large_latched_message_comes_to_a_server_that_begins_later(
         window.end()
 
 
-def test_large_messages_come_whole_and_what_is_no_message_as_bytes(
-    open_window: Open, bus: UdpBus
-) -> None:
+def test_large_messages_come_whole_and_what_is_no_message_as_bytes(open_window, bus):
     window = open_window()
     large = filled(CompressedImage, data=b"\7" * 300_000)
     with window.page() as page:
@@ -170,15 +159,15 @@ def test_large_messages_come_whole_and_what_is_no_message_as_bytes(
         assert bytes.fromhex(raw["bytes"]) == b"no message at all"
 
 
-def line(number: int) -> Log:
+def line(number):
     return filled(Log, level=4, name="/a", msg=f"line {number}", file="a.py", line=7)
 
 
-def test_log_lines_come_in_their_order(open_window: Open, bus: UdpBus) -> None:
+def test_log_lines_come_in_their_order(open_window, bus):
     window = open_window()
     with window.page() as page:
         page.open(1, "log")
-        lines: list[Any] = []
+        lines = []
         with repeated(bus, "/rosout", line):
             while len(lines) < 30:
                 lines += page.data(1)["lines"]
@@ -188,11 +177,9 @@ def test_log_lines_come_in_their_order(open_window: Open, bus: UdpBus) -> None:
         assert numbers == [*range(numbers[0], numbers[0] + len(numbers))]
 
 
-def test_a_form_is_published_once_and_at_a_rate_until_it_is_closed(
-    open_window: Open, other: UdpBus, wait_until: Callable[..., None]
-) -> None:
+def test_a_form_is_published_once_and_at_a_rate_until_it_is_closed(open_window, other, wait_until):
     window = open_window()
-    came: list[bytes] = []
+    came = []
     other.subscribe("/speed", lambda payload, _: came.append(payload))
     form = {"topic": "/speed", "type": "geometry_msgs/Twist", "values": {"linear": {"x": "0.5"}}}
     with window.page() as page:
@@ -211,11 +198,9 @@ def test_a_form_is_published_once_and_at_a_rate_until_it_is_closed(
     wait_until(lambda: "publishing" not in {thread.name for thread in threading.enumerate()})
 
 
-def test_commands_that_waited_are_thrown_away(
-    open_window: Open, other: UdpBus, wait_until: Callable[..., None]
-) -> None:
+def test_commands_that_waited_are_thrown_away(open_window, other, wait_until):
     window = open_window()
-    came: list[float] = []
+    came = []
     for topic in ("/speed", "/last"):
         other.subscribe(topic, lambda payload, _: came.append(Twist.decode(payload).linear.x))
     drive = {"op": "drive", "id": 1, "topic": "/speed", "type": "geometry_msgs/Twist", "turn": 0}
@@ -240,15 +225,15 @@ class Numbers(PageStream):
     asked = 0
     period = 0.0
 
-    def update(self) -> Update:
+    def update(self):
         """Return the number of the call, and a lot of bytes."""
         Numbers.asked += 1
         return Update({"number": Numbers.asked}, bytes(1 << 20))
 
 
 def test_a_page_that_does_not_read_holds_up_nothing_and_gets_the_newest_then(
-    open_window: Open, monkeypatch: pytest.MonkeyPatch, wait_until: Callable[..., None]
-) -> None:
+    open_window, monkeypatch, wait_until
+):
     monkeypatch.setitem(streams.STREAMS, "numbers", "none:Numbers")
     found = streams.stream_class
     monkeypatch.setattr(
@@ -273,7 +258,7 @@ def test_a_page_that_does_not_read_holds_up_nothing_and_gets_the_newest_then(
         assert numbers == [*range(1, len(numbers) + 1)]
 
 
-def test_equal_streams_of_ten_pages_are_one(open_window: Open, bus: UdpBus) -> None:
+def test_equal_streams_of_ten_pages_are_one(open_window, bus):
     window = open_window()
     with ExitStack() as stack:
         pages = [stack.enter_context(window.page()) for _ in range(10)]

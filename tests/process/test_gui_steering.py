@@ -4,14 +4,11 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
-from fixtures.programs import Program
 from fixtures.window import LivePage
 
 from lcmtools.bus.url import parse_url
@@ -29,7 +26,7 @@ _LONG = 40.0  # [s] for what comes
 class Robot:
     """A plain LCM program without a timeout: its speed is that of the last Twist."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url):
         self.speed, self.since = 0.0, 0.0
         self._changed = threading.Condition()
         self._lcm, self._is_over = lcm.LCM(url), False
@@ -37,22 +34,22 @@ class Robot:
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
-    def wait(self, *, moves: bool) -> float:
+    def wait(self, *, moves):
         """Wait until it moves, or stands; return the time when it began to [s, monotonic]."""
         with self._changed:
             assert self._changed.wait_for(lambda: bool(self.speed) is moves, _LONG), self.speed
             return self.since
 
-    def close(self) -> None:
+    def close(self):
         """Leave the bus."""
         self._is_over = True
         self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self):
         while not self._is_over:
             self._lcm.handle_timeout(100)
 
-    def _take(self, _: str, data: bytes) -> None:
+    def _take(self, _, data):
         with suppress(ValueError), self._changed:  # of another type
             speed = Twist.decode(data).linear.x
             if bool(speed) is not bool(self.speed):
@@ -62,7 +59,7 @@ class Robot:
 
 
 @pytest.fixture
-def robot(bus_url: str) -> Iterator[Robot]:
+def robot(bus_url):
     """A robot on the test's bus."""
     made = Robot(bus_url)
     yield made
@@ -70,13 +67,13 @@ def robot(bus_url: str) -> Iterator[Robot]:
 
 
 @pytest.fixture
-def window(start: Callable[..., Program], lcmtools_path: str, bus_url: str) -> Program:
+def window(start, lcmtools_path, bus_url):
     """The process of a server."""
     return start(lcmtools_path, "gui", "--port", "0", "--no-open", LCM_DEFAULT_URL=bus_url)
 
 
 @pytest.fixture
-def address(window: Program) -> str:
+def address(window):
     """Its address."""
     return window.wait_for("http://").split()[-1]
 
@@ -84,29 +81,29 @@ def address(window: Program) -> str:
 class Driver:
     """A page that holds the joystick: it repeats its command every 0.1 s until it is ended."""
 
-    def __init__(self, address: str, kind: str = TWIST) -> None:
+    def __init__(self, address, kind=TWIST):
         self.page, self._kind = LivePage(address), kind
         self.page.open(1, "steer", topic=TOPIC)
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
-    def end(self, op: str = "") -> None:
+    def end(self, op=""):
         """Let go, or say nothing more."""
         self._is_over.set()
         self._thread.join()
         if op:
             self.page.send(op=op, id=1, topic=TOPIC, type=self._kind, sent=time.monotonic())
 
-    def _run(self) -> None:
-        values: dict[str, Any] = {"topic": TOPIC, "type": self._kind, "forward": 0.5, "turn": 0.0}
+    def _run(self):
+        values = {"topic": TOPIC, "type": self._kind, "forward": 0.5, "turn": 0.0}
         while not self._is_over.wait(0.1):
             with suppress(Exception):  # the server is gone
                 self.page.send(op="drive", id=1, sent=time.monotonic(), **values)
 
 
 @pytest.fixture
-def driver(address: str, robot: Robot) -> Iterator[Driver]:
+def driver(address, robot):
     """A page that drives the robot."""
     made = Driver(address)
     robot.wait(moves=True)
@@ -114,7 +111,7 @@ def driver(address: str, robot: Robot) -> Iterator[Driver]:
     made.end()
 
 
-def steering_pid(window: Program) -> int:
+def steering_pid(window):
     """The process that publishes for a server."""
     children = Path(f"/proc/{window.pid}/task/{window.pid}/children").read_text().split()
     (found,) = [
@@ -124,16 +121,14 @@ def steering_pid(window: Program) -> int:
 
 
 @pytest.mark.parametrize("op", ["release", "stop", ""])
-def test_a_page_that_lets_go_stops_or_falls_silent(driver: Driver, robot: Robot, op: str) -> None:
+def test_a_page_that_lets_go_stops_or_falls_silent(driver, robot, op):
     driver.end(op)
     at = time.monotonic()
     assert robot.wait(moves=False) - at < _LIMIT
 
 
 @pytest.mark.parametrize("op", ["release", "stop", ""])
-def test_the_stop_has_the_type_that_drives_whatever_another_page_says(
-    driver: Driver, robot: Robot, address: str, op: str
-) -> None:
+def test_the_stop_has_the_type_that_drives_whatever_another_page_says(driver, robot, address, op):
     other = Driver(address, STAMPED)
     other.page.until(lambda frame: frame.get("data", {}).get("refused"))
     (other if op == "stop" else driver).end(op)
@@ -144,7 +139,7 @@ def test_the_stop_has_the_type_that_drives_whatever_another_page_says(
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL, signal.SIGTERM])
 @pytest.mark.usefixtures("driver")
-def test_the_server_is_stopped_killed_or_ended(window: Program, robot: Robot, number: int) -> None:
+def test_the_server_is_stopped_killed_or_ended(window, robot, number):
     window.send_signal(number)
     at = time.monotonic()
     try:
@@ -155,18 +150,14 @@ def test_the_server_is_stopped_killed_or_ended(window: Program, robot: Robot, nu
 
 @pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
 @pytest.mark.parametrize("op", ["release", "stop"])
-def test_the_process_that_publishes_is_stopped_or_killed(
-    window: Program, driver: Driver, robot: Robot, number: int, op: str
-) -> None:
+def test_the_process_that_publishes_is_stopped_or_killed(window, driver, robot, number, op):
     os.kill(steering_pid(window), number)
     driver.end(op)
     at = time.monotonic()
     assert robot.wait(moves=False) - at < _LIMIT
 
 
-def test_a_process_that_is_replaced_drives_on(
-    window: Program, driver: Driver, robot: Robot
-) -> None:
+def test_a_process_that_is_replaced_drives_on(window, driver, robot):
     os.kill(steering_pid(window), signal.SIGKILL)
     robot.wait(moves=False)
     robot.wait(moves=True)
@@ -174,9 +165,7 @@ def test_a_process_that_is_replaced_drives_on(
     robot.wait(moves=False)
 
 
-def test_a_command_that_comes_late_is_valid_from_when_it_was_sent(
-    driver: Driver, robot: Robot
-) -> None:
+def test_a_command_that_comes_late_is_valid_from_when_it_was_sent(driver, robot):
     driver.end()
     robot.wait(moves=False)
     sent = time.monotonic() - HOLD / 2
@@ -186,7 +175,7 @@ def test_a_command_that_comes_late_is_valid_from_when_it_was_sent(
     assert robot.wait(moves=False) - sent < _LIMIT
 
 
-def test_a_line_that_no_pipe_takes_whole_stops_the_robot(bus_url: str, robot: Robot) -> None:
+def test_a_line_that_no_pipe_takes_whole_stops_the_robot(bus_url, robot):
     """The server may be killed in the middle of it."""
     drive = Twist()
     drive.linear.x = 0.5

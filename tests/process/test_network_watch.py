@@ -2,9 +2,6 @@
 
 import signal
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,8 +10,6 @@ from lcmtools.types.std_msgs import UInt32
 
 pytestmark = pytest.mark.usefixtures("bare_network")
 
-Ip = Callable[..., None]
-Start = Callable[..., Any]
 
 _URL = "udpm://239.255.76.67:7667?ttl=0"
 _COUNTS = """
@@ -31,7 +26,7 @@ _TALK = ("pub", "/chatter", "std_msgs/String", "data: hello", "-r", "20")
 
 
 @pytest.fixture
-def laptop(ip: Ip) -> Ip:
+def laptop(ip):
     """``ip``, on a laptop with Wi-Fi (v0), and a socket for a cable (w0) that is not plugged in."""
     ip("link", "set", "lo", "up")
     for name, number in (("v", 0), ("w", 1)):
@@ -42,26 +37,26 @@ def laptop(ip: Ip) -> Ip:
     return ip
 
 
-def _connect(ip: Ip, interface: str, metric: int) -> None:
+def _connect(ip, interface, metric):
     gateway = {"v0": "10.0.0.2", "w0": "10.0.1.2"}[interface]
     ip("link", "set", interface, "up")
     ip("route", "add", "default", "via", gateway, "dev", interface, "metric", str(metric))
 
 
-def _plug_in(ip: Ip) -> None:
+def _plug_in(ip):
     _connect(ip, "w0", 100)
 
 
-def _plug_in_and_go_away(ip: Ip) -> None:
+def _plug_in_and_go_away(ip):
     _connect(ip, "w0", 1000)
     ip("link", "set", "v0", "down")
 
 
-def _lose_everything(ip: Ip) -> None:
+def _lose_everything(ip):
     ip("link", "set", "v0", "down")
 
 
-def _replace(ip: Ip) -> None:
+def _replace(ip):
     _lose_everything(ip)
     ip("link", "del", "v0")
     _connect(ip, "w0", 600)
@@ -74,9 +69,7 @@ CHANGES = [_plug_in, _plug_in_and_go_away, _lose_everything, _replace]
     ("url", "change"),
     [*((_URL, change) for change in CHANGES), (f"mp{_URL}", _plug_in)],  # liblcm sends no other way
 )
-def test_programs_go_on_hearing_each_other(
-    laptop: Ip, start: Start, lcmtools_path: str, url: str, change: Callable[[Ip], None]
-) -> None:
+def test_programs_go_on_hearing_each_other(laptop, start, lcmtools_path, url, change):
     talker = start(lcmtools_path, *_TALK, LCM_DEFAULT_URL=url)
     listener = start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=url)
     echo = start(lcmtools_path, "echo", "/chatter", LCM_DEFAULT_URL=url)
@@ -91,12 +84,8 @@ def test_programs_go_on_hearing_each_other(
 
 
 def test_a_recorder_counts_what_a_change_has_cost(
-    laptop: Ip,
-    start: Start,
-    lcmtools_path: str,
-    tmp_path: Path,
-    wait_until: Callable[..., None],
-) -> None:
+    laptop, start, lcmtools_path, tmp_path, wait_until
+):
     script, log = tmp_path / "count.py", tmp_path / "drive.lcm"
     script.write_text(_COUNTS)
     start(sys.executable, str(script), LCM_DEFAULT_URL=_URL)

@@ -3,43 +3,39 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.observe.reading.monitor import BusMonitor
 
-WaitUntil = Callable[..., None]
 SOON = 1.5
 """[s]: one second, and what a busy computer adds."""
 
 
 @pytest.fixture
-def watch(bus_url: str) -> Iterator[BusMonitor]:
+def watch(bus_url):
     with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         yield watch
 
 
 @pytest.fixture
-def run(start_python: Callable[..., Any], bus_url: str) -> Callable[..., Any]:
+def run(start_python, bus_url):
     """Start a node's script on the test's bus."""
 
-    def start(source: str, *arguments: str) -> object:
+    def start(source, *arguments):
         return start_python(source, *arguments, LCM_DEFAULT_URL=bus_url)
 
     return start
 
 
-def _alive(watch: BusMonitor) -> list[Node]:
+def _alive(watch):
     return [node for node in watch.settle(foreign=False).nodes if not node.stale]
 
 
-def _goodbyes(watch: BusMonitor, timeout: float = 20.0) -> list[str]:
+def _goodbyes(watch, timeout=20.0):
     """The names of the nodes that say goodbye, until one has."""
     deadline = time.monotonic() + timeout
     while time.monotonic() < deadline:
@@ -50,7 +46,7 @@ def _goodbyes(watch: BusMonitor, timeout: float = 20.0) -> list[str]:
     return []
 
 
-def _records(bus_url: str) -> list[Path]:
+def _records(bus_url):
     url = parse_url(bus_url)
     folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "records"
     return list((folder / f"udpm-{url.host}-{url.port}").glob("*"))
@@ -132,14 +128,7 @@ with Node("victim") as node:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize("doing", _BUSY)
-def test_a_signal_ends_a_node_soon_with_a_goodbye(
-    run: Callable[..., Any],
-    watch: BusMonitor,
-    stopwatch: Callable[..., Any],
-    wait_until: WaitUntil,
-    doing: str,
-    number: int,
-) -> None:
+def test_a_signal_ends_a_node_soon_with_a_goodbye(run, watch, stopwatch, wait_until, doing, number):
     victim = run(_HEAD + _BUSY[doing] + "\nlcmtools.shutdown()\n")
     victim.wait_for("ready")
     wait_until(lambda: "/victim" in [node.name for node in _alive(watch)])  # one look may be early
@@ -155,18 +144,14 @@ def test_a_signal_ends_a_node_soon_with_a_goodbye(
     assert _records(str(watch.url)) == []
 
 
-def test_a_node_without_shutdown_says_goodbye_all_the_same(
-    run: Callable[..., Any], watch: BusMonitor, bus_url: str
-) -> None:
+def test_a_node_without_shutdown_says_goodbye_all_the_same(run, watch, bus_url):
     victim = run(_HEAD + 'Node("victim")\nprint("ready")\n')
     assert victim.wait() == 0
     assert _goodbyes(watch) == ["/victim"]
     assert _records(bus_url) == []
 
 
-def test_a_program_that_fails_says_goodbye_and_shows_why(
-    run: Callable[..., Any], watch: BusMonitor, bus_url: str
-) -> None:
+def test_a_program_that_fails_says_goodbye_and_shows_why(run, watch, bus_url):
     victim = run(_HEAD + 'node = Node("victim")\n1 / 0\n')
     assert victim.wait() == 1
     assert "ZeroDivisionError" in victim.output
@@ -174,9 +159,7 @@ def test_a_program_that_fails_says_goodbye_and_shows_why(
     assert _records(bus_url) == []
 
 
-def test_shutdown_in_a_callback_ends_the_program(
-    run: Callable[..., Any], watch: BusMonitor
-) -> None:
+def test_shutdown_in_a_callback_ends_the_program(run, watch):
     victim = run(
         _HEAD + 'node = Node("victim")\nnode.create_timer(0.01, lcmtools.shutdown)\n'
         "lcmtools.spin(node)\nprint('end', lcmtools.ok())\n"
@@ -188,8 +171,8 @@ def test_shutdown_in_a_callback_ends_the_program(
 
 @pytest.mark.timing
 def test_a_second_ctrl_c_breaks_a_callback_off_at_once_and_the_goodbye_is_said(
-    run: Callable[..., Any], watch: BusMonitor, stopwatch: Callable[..., Any]
-) -> None:
+    run, watch, stopwatch
+):
     victim = run(_HEAD + _BUSY["asleep in a callback"] + "\nlcmtools.shutdown()\n")
     victim.wait_for("ready")
     ending = stopwatch(victim.pid)
@@ -202,9 +185,7 @@ def test_a_second_ctrl_c_breaks_a_callback_off_at_once_and_the_goodbye_is_said(
     assert _goodbyes(watch) == ["/victim"]
 
 
-def test_what_a_program_does_after_the_spin_is_not_broken_off(
-    run: Callable[..., Any],
-) -> None:
+def test_what_a_program_does_after_the_spin_is_not_broken_off(run):
     """To stop a robot takes time, and Ctrl-C is when it is done."""
     victim = run(
         _HEAD + 'node = Node("victim")\nprint("ready")\nlcmtools.spin(node)\n'
@@ -216,9 +197,7 @@ def test_what_a_program_does_after_the_spin_is_not_broken_off(
     assert victim.lines[-1] == "robot stopped"
 
 
-def test_two_signals_at_once_do_not_break_off_what_a_program_does_after_the_spin(
-    run: Callable[..., Any],
-) -> None:
+def test_two_signals_at_once_do_not_break_off_what_a_program_does_after_the_spin(run):
     """As timeout(1) sends them."""
     victim = run(
         _HEAD + 'import signal\nnode = Node("victim")\n'
@@ -229,9 +208,7 @@ def test_two_signals_at_once_do_not_break_off_what_a_program_does_after_the_spin
     assert victim.lines[-1] == "robot stopped"
 
 
-def test_what_a_program_does_after_its_own_loop_is_not_broken_off(
-    run: Callable[..., Any],
-) -> None:
+def test_what_a_program_does_after_its_own_loop_is_not_broken_off(run):
     victim = run(
         _HEAD + 'node = Node("victim")\nprint("ready")\n'
         "while lcmtools.ok():\n    lcmtools.spin_once(node, 0.1)\n"
@@ -243,7 +220,7 @@ def test_what_a_program_does_after_its_own_loop_is_not_broken_off(
     assert victim.lines[-1] == "robot stopped"
 
 
-def test_after_shutdown_ctrl_c_is_pythons_own_again(run: Callable[..., Any]) -> None:
+def test_after_shutdown_ctrl_c_is_pythons_own_again(run):
     victim = run(_HEAD + 'lcmtools.shutdown()\nprint("ready")\ntime.sleep(60)\n')
     victim.wait_for("ready")
     victim.send_signal(signal.SIGINT)
@@ -251,7 +228,7 @@ def test_after_shutdown_ctrl_c_is_pythons_own_again(run: Callable[..., Any]) -> 
     assert "KeyboardInterrupt" in victim.output
 
 
-def test_a_signal_that_another_thread_takes_ends_the_node_too(run: Callable[..., Any]) -> None:
+def test_a_signal_that_another_thread_takes_ends_the_node_too(run):
     """It does not interrupt what the main thread waits for; nor does one just before the wait."""
     victim = run(
         _HEAD
@@ -263,7 +240,7 @@ def test_a_signal_that_another_thread_takes_ends_the_node_too(run: Callable[...,
     assert victim.wait() == 0
 
 
-def test_signals_may_stay_the_programs_own(run: Callable[..., Any]) -> None:
+def test_signals_may_stay_the_programs_own(run):
     victim = run(
         _HEAD.replace("init()", "init(handle_signals=False)")
         + 'node = Node("victim")\ntry:\n    print("ready")\n    time.sleep(60)\n'
@@ -275,9 +252,7 @@ def test_signals_may_stay_the_programs_own(run: Callable[..., Any]) -> None:
     assert victim.lines[-1] == "mine"
 
 
-def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(
-    run: Callable[..., Any], bus_url: str
-) -> None:
+def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(run, bus_url):
     url = parse_url(bus_url)
     victim = run(_HEAD + _BUSY["idle"])
     victim.wait_for("ready")
@@ -295,9 +270,7 @@ def test_a_killed_node_is_known_to_have_ended_until_it_is_forgotten(
     assert _records(bus_url) == []
 
 
-def test_a_stopped_node_is_known_to_run_but_not_to_answer(
-    run: Callable[..., Any], bus_url: str, wait_until: Callable[..., None]
-) -> None:
+def test_a_stopped_node_is_known_to_run_but_not_to_answer(run, bus_url, wait_until):
     victim = run(_HEAD + _BUSY["idle"])
     victim.wait_for("ready")
     victim.send_signal(signal.SIGSTOP)
@@ -310,7 +283,7 @@ def test_a_stopped_node_is_known_to_run_but_not_to_answer(
         assert node.stale == ""
 
 
-def _is_stopped(pid: int) -> bool:
+def _is_stopped(pid):
     """Return whether every thread has stopped, which takes a moment after the signal."""
     states = [
         (task / "stat").read_text().rpartition(")")[2].split()[0]

@@ -2,8 +2,6 @@
 
 import json
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
 
 import pytest
 
@@ -25,17 +23,14 @@ from lcmtools.graph.protocol import (
 from lcmtools.node.context import Context
 from lcmtools.types.std_msgs import String
 
-WaitUntil = Callable[..., None]
-Join = Callable[[], Context]
-
 
 @pytest.fixture
-def join(bus_url: str) -> Iterator[Join]:
+def join(bus_url):
     """``join()``: a program with nodes, on a connection of its own."""
     url, contexts = parse_url(bus_url), []
     said, _ = split_arguments([])
 
-    def run() -> Context:
+    def run():
         contexts.append(Context(UdpBus(url), said, {}, url=url))
         return contexts[-1]
 
@@ -45,26 +40,26 @@ def join(bus_url: str) -> Iterator[Join]:
 
 
 @pytest.fixture
-def channel_socket(bus_url: str) -> Callable[[], int]:
+def channel_socket(bus_url):
     """``channel_socket()``: the inode of this process's only channel socket."""
 
-    def find() -> int:
+    def find():
         (inode,) = marked_sockets(SELECTIVE) & listening_sockets(parse_url(bus_url))
         return inode
 
     return find
 
 
-def _names(node: Node) -> list[str]:
+def _names(node):
     return [found.name for found in node.graph().nodes]
 
 
-def _waiting_bytes(inode: int) -> int:
+def _waiting_bytes(inode):
     (row,) = (row for row in udp_sockets() if row.inode == inode)
     return row.queued_bytes
 
 
-def test_a_follower_knows_who_comes_changes_and_goes(join: Join, wait_until: WaitUntil) -> None:
+def test_a_follower_knows_who_comes_changes_and_goes(join, wait_until):
     follower = Node("follower", context=join())
     other = Node("other", context=join())
     wait_until(lambda: _names(follower) == ["/follower", "/other"])
@@ -76,8 +71,8 @@ def test_a_follower_knows_who_comes_changes_and_goes(join: Join, wait_until: Wai
     wait_until(lambda: _names(follower) == ["/follower"])
 
 
-def test_a_new_follower_asks_those_who_are_there(join: Join, wait_until: WaitUntil) -> None:
-    probes: list[bytes] = []
+def test_a_new_follower_asks_those_who_are_there(join, wait_until):
+    probes = []
     other = join()
     other.bus.subscribe(PROBE_CHANNEL, lambda payload, _: probes.append(payload))
     follower = Node("follower", context=join())
@@ -87,9 +82,7 @@ def test_a_new_follower_asks_those_who_are_there(join: Join, wait_until: WaitUnt
 
 
 @pytest.mark.usefixtures("private_network")
-def test_announcements_do_not_pile_up_while_nobody_asks(
-    join: Join, channel_socket: Callable[[], int], wait_until: WaitUntil
-) -> None:
+def test_announcements_do_not_pile_up_while_nobody_asks(join, channel_socket, wait_until):
     follower = Node("follower", context=join())
     other = Node("other", context=join())
     follower.graph()
@@ -98,7 +91,7 @@ def test_announcements_do_not_pile_up_while_nobody_asks(
     wait_until(lambda: _waiting_bytes(channel_socket()) == 0)
     payload = encode_announcement(Announcement(other.describe()))
 
-    def wait_in_the_socket() -> bool:
+    def wait_in_the_socket():
         other.context.bus.publish(NODE_CHANNEL, payload)
         return _waiting_bytes(channel_socket()) > 0
 
@@ -107,9 +100,7 @@ def test_announcements_do_not_pile_up_while_nobody_asks(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_node_with_very_many_endpoints_is_known(
-    join: Join, channel_socket: Callable[[], int], wait_until: WaitUntil
-) -> None:
+def test_a_node_with_very_many_endpoints_is_known(join, channel_socket, wait_until):
     follower, sender = Node("follower", context=join()), join()
     follower.graph()
     assert channel_socket()
@@ -118,7 +109,7 @@ def test_a_node_with_very_many_endpoints_is_known(
     payload = encode_announcement(Announcement(large))
     assert len(payload) > 66_000  # more than a datagram takes
 
-    def is_known() -> bool:
+    def is_known():
         sender.bus.publish(NODE_CHANNEL, payload)  # as nodes do again and again
         return "/large" in _names(follower)
 
@@ -128,16 +119,14 @@ def test_a_node_with_very_many_endpoints_is_known(
 
 
 @pytest.mark.usefixtures("private_network")
-def test_a_followers_own_channel_socket_is_no_foreign_listener(
-    join: Join, channel_socket: Callable[[], int], wait_until: WaitUntil
-) -> None:
+def test_a_followers_own_channel_socket_is_no_foreign_listener(join, channel_socket, wait_until):
     follower = Node("follower", context=join())
     follower.graph()
     assert channel_socket()
     wait_until(lambda: not follower.has_plain_listeners())
 
 
-def test_a_channel_socket_is_left_with_the_bus(join: Join, bus_url: str) -> None:
+def test_a_channel_socket_is_left_with_the_bus(join, bus_url):
     context = join()
     Node("follower", context=context).graph()
     assert listening_sockets(parse_url(bus_url))
@@ -145,16 +134,14 @@ def test_a_channel_socket_is_left_with_the_bus(join: Join, bus_url: str) -> None
     assert not listening_sockets(parse_url(bus_url))
 
 
-def test_a_channel_socket_takes_one_channel_whatever_else_comes(
-    bus_url: str, wait_until: WaitUntil
-) -> None:
+def test_a_channel_socket_takes_one_channel_whatever_else_comes(bus_url, wait_until):
     url = parse_url(bus_url)
     channel_socket, bus = ChannelSocket(url, "/a"), UdpBus(url)
     for channel, payload in (("/b", b"no"), ("/a", b"1"), ("/ab", b"no"), ("/", b""), ("/a", b"2")):
         bus.publish(channel, payload)
-    received: list[bytes] = []
+    received = []
 
-    def has_all() -> bool:
+    def has_all():
         received.extend(payload for payload, _ in channel_socket.receive())
         return received[-1:] == [b"2"]
 
@@ -166,8 +153,8 @@ def test_a_channel_socket_takes_one_channel_whatever_else_comes(
 
 
 def test_what_waited_in_a_channel_socket_came_before_it_was_taken(
-    bus_url: str, channel_socket: Callable[[], int], wait_until: WaitUntil
-) -> None:
+    bus_url, channel_socket, wait_until
+):
     receiver, bus = ChannelSocket(parse_url(bus_url), "/a"), UdpBus(parse_url(bus_url))
     bus.publish("/a", b"1")
     wait_until(lambda: _waiting_bytes(channel_socket()) > 0)
@@ -199,11 +186,8 @@ for number in range(100_000):
 
 @pytest.mark.usefixtures("private_network")
 def test_wtf_does_not_blame_a_channel_socket_for_what_its_filter_drops(
-    start_python: Callable[..., Any],
-    cli: Callable[..., Any],
-    channel_socket: Callable[[], int],
-    bus_url: str,
-) -> None:
+    start_python, cli, channel_socket, bus_url
+):
     for source in (_FOLLOWER, _TALKER):
         start_python(source, LCM_DEFAULT_URL=bus_url).wait_for("ready")
     (row,) = (row for row in udp_sockets() if row.inode == channel_socket())

@@ -2,9 +2,7 @@
 
 import os
 import signal
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -35,15 +33,13 @@ _ENDINGS = {
 }
 
 
-def _records() -> list[Path]:
+def _records():
     folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "lcmtools" / "records"
     return [path for path in folder.rglob("*") if path.is_file()]
 
 
 @pytest.mark.parametrize("ending", _ENDINGS)
-def test_a_forked_process_leaves_the_nodes_to_its_parent(
-    start_python: Callable[..., Any], bus_url: str, ending: str
-) -> None:
+def test_a_forked_process_leaves_the_nodes_to_its_parent(start_python, bus_url, ending):
     child, parent, code = _ENDINGS[ending]
     source = _SCRIPT.format(child=child, parent=parent)
     program = start_python(source, LCM_DEFAULT_URL=bus_url)
@@ -103,9 +99,7 @@ print("heard", sorted(set(heard)))
 @pytest.mark.parametrize(
     "url", ["udpm://239.255.76.67:{}?ttl=0", "memq://", "zenoh://224.0.0.224:{}"]
 )
-def test_a_forked_process_is_told_that_the_nodes_are_its_parents(
-    start_python: Callable[..., Any], free_port: Callable[[], int], url: str
-) -> None:
+def test_a_forked_process_is_told_that_the_nodes_are_its_parents(start_python, free_port, url):
     program = start_python(_USES, LCM_DEFAULT_URL=url.format(free_port()))
     program.wait_for("heard ['parent']")
     assert program.wait() == 0

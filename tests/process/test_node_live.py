@@ -2,8 +2,6 @@
 
 import os
 import signal
-from collections.abc import Callable
-from typing import Any
 
 import lcm
 import pytest
@@ -14,8 +12,6 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.std_msgs import String
-
-WaitUntil = Callable[..., None]
 
 _ECHOER = """
 import lcmtools
@@ -84,12 +80,10 @@ lcmtools.spin(node)
 """
 
 
-def test_a_plain_lcm_program_and_a_node_talk(
-    start_python: Callable[..., Any], bus_url: str, wait_until: WaitUntil
-) -> None:
+def test_a_plain_lcm_program_and_a_node_talk(start_python, bus_url, wait_until):
     node = start_python(_ECHOER, "__ns:=/x", "answers:=/news", "--lcm-url", bus_url)
     node.wait_for("ready")
-    heard: list[str] = []
+    heard = []
     plain = lcm.LCM(bus_url)
     plain.subscribe("/news", lambda _, payload: heard.append(decode(String, payload).data))
     question = String()
@@ -101,7 +95,7 @@ def test_a_plain_lcm_program_and_a_node_talk(
     assert node.lines[0].endswith("[/x/echoer]: I am /x/echoer")
 
 
-def test_a_node_gets_another_name(start_python: Callable[..., Any], bus_url: str) -> None:
+def test_a_node_gets_another_name(start_python, bus_url):
     node = start_python(_ECHOER, "__name:=bob", LCM_DEFAULT_URL=bus_url)
     node.wait_for("ready")
     with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
@@ -113,7 +107,7 @@ def test_a_node_gets_another_name(start_python: Callable[..., Any], bus_url: str
     assert topics == {"/rosout", "/answers", "/questions", "/bob/_parameters"}
 
 
-def test_rosout_has_what_was_logged(start_python: Callable[..., Any], bus_url: str) -> None:
+def test_rosout_has_what_was_logged(start_python, bus_url):
     with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         start_python(_ECHOER, LCM_DEFAULT_URL=bus_url)
         packet = next(p for p in watch.packets(15.0) if p.channel == "/rosout")
@@ -123,9 +117,7 @@ def test_rosout_has_what_was_logged(start_python: Callable[..., Any], bus_url: s
     assert entry.file.startswith("script_")
 
 
-def test_a_callback_that_fails_is_announced_and_its_traceback_printed_once(
-    start_python: Callable[..., Any], bus_url: str
-) -> None:
+def test_a_callback_that_fails_is_announced_and_its_traceback_printed_once(start_python, bus_url):
     node = start_python(_FAILING, LCM_DEFAULT_URL=bus_url)
     with BusMonitor(parse_url(bus_url), "test", os.environ) as watch:
         node.wait_for("times more")
@@ -142,9 +134,7 @@ def test_a_callback_that_fails_is_announced_and_its_traceback_printed_once(
 
 
 @pytest.mark.parametrize("server_first", [True, False])
-def test_a_service_is_called_from_another_process(
-    start_python: Callable[..., Any], bus_url: str, *, server_first: bool
-) -> None:
+def test_a_service_is_called_from_another_process(start_python, bus_url, *, server_first):
     """Whichever starts first: the request is repeated until there is somebody to hear it."""
     order = [_SERVER, _CALLER] if server_first else [_CALLER, _SERVER]
     first, second = (start_python(source, LCM_DEFAULT_URL=bus_url) for source in order)
@@ -153,7 +143,7 @@ def test_a_service_is_called_from_another_process(
     assert caller.lines == ["answer True done"]
 
 
-def test_a_domain_is_a_bus_of_its_own(start_python: Callable[..., Any]) -> None:
+def test_a_domain_is_a_bus_of_its_own(start_python):
     node = start_python(
         "import lcmtools; lcmtools.init(); print(lcmtools.Node('a').context.bus.url)",
         "--domain",
@@ -164,7 +154,7 @@ def test_a_domain_is_a_bus_of_its_own(start_python: Callable[..., Any]) -> None:
 
 
 @pytest.mark.usefixtures("bare_network")
-def test_without_multicast_init_says_what_to_type(start_python: Callable[..., Any]) -> None:
+def test_without_multicast_init_says_what_to_type(start_python):
     node = start_python(
         "import lcmtools\ntry:\n    lcmtools.init()\n"
         "except lcmtools.LcmtoolsError as error:\n    print(error)\n"
@@ -174,9 +164,7 @@ def test_without_multicast_init_says_what_to_type(start_python: Callable[..., An
     assert_says(line, "multicast", "239.255.76.67:7667; type: sudo ip link set lo up")
 
 
-def test_a_node_on_tcpq_works_without_multicast(
-    start_python: Callable[..., Any], tcpq_server: Any, wait_until: WaitUntil
-) -> None:
+def test_a_node_on_tcpq_works_without_multicast(start_python, tcpq_server, wait_until):
     url = tcpq_server.url
     server = start_python(_SERVER, LCM_DEFAULT_URL=url)
     caller = start_python(_CALLER, LCM_DEFAULT_URL=url)

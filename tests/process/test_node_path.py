@@ -4,7 +4,6 @@ import os
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -14,14 +13,13 @@ from lcmtools.arguments import NodeArguments
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusOfParent
 from lcmtools.node.process import open_context
-from lcmtools.node.publisher import Publisher
 from lcmtools.types.std_msgs import UInt32
 
 _LONG = 20.0  # [s]
 
 
 @pytest.fixture
-def node(bus_url: str) -> Iterator[Node]:
+def node(bus_url):
     """A node of this process's context."""
     lcmtools.init([], url=bus_url, handle_signals=False)
     yield Node("node")
@@ -29,7 +27,7 @@ def node(bus_url: str) -> Iterator[Node]:
 
 
 @pytest.fixture
-def publishers(bus_url: str) -> Iterator[Callable[[str], Publisher[UInt32]]]:
+def publishers(bus_url):
     """``publishers("/a")``: a publisher of another program, as it were."""
     context = open_context(parse_url(bus_url), NodeArguments())
     other = Node("other", context=context)
@@ -37,37 +35,33 @@ def publishers(bus_url: str) -> Iterator[Callable[[str], Publisher[UInt32]]]:
     context.close()
 
 
-def _spin_until(node: Node, is_done: Callable[[], object]) -> None:
+def _spin_until(node, is_done):
     deadline = time.monotonic() + _LONG
     while not is_done() and time.monotonic() < deadline:
         lcmtools.spin_once(node, 0.05)
     assert is_done()
 
 
-def test_a_message_that_is_awaited_goes_through_no_queue(
-    node: Node, publishers: Callable[[str], Publisher[UInt32]]
-) -> None:
+def test_a_message_that_is_awaited_goes_through_no_queue(node, publishers):
     publisher, frames = publishers("/a"), list[list[str]]()
     node.create_subscription(
         UInt32, "/a", lambda _: frames.append([one.name for one in traceback.extract_stack()])
     )
 
-    def is_straight() -> bool:  # unless the computer was busy just then
+    def is_straight():  # unless the computer was busy just then
         publisher.publish(UInt32(1))
         return any("receive" in names and "run_ready" not in names for names in frames)
 
     _spin_until(node, is_straight)
 
 
-def test_a_callback_that_spins_another_node_runs_none_of_its_own(
-    node: Node, publishers: Callable[[str], Publisher[UInt32]]
-) -> None:
+def test_a_callback_that_spins_another_node_runs_none_of_its_own(node, publishers):
     own, others = publishers("/own"), publishers("/others")
-    heard: list[str] = []
+    heard = []
     inner = Node("inner")
     inner.create_subscription(UInt32, "/others", lambda _: heard.append("others"))
 
-    def nest(message: UInt32) -> None:
+    def nest(message):
         heard.append(f"own {message.data}")
         if message.data == 1:
             own.publish(UInt32(2))
@@ -83,18 +77,18 @@ def test_a_callback_that_spins_another_node_runs_none_of_its_own(
 
 @pytest.mark.parametrize("seconds", [0.004, 0.04])
 def test_of_messages_that_come_faster_than_their_callback_the_newest_are_kept_and_all_counted(
-    node: Node, publishers: Callable[[str], Publisher[UInt32]], seconds: float
-) -> None:
+    node, publishers, seconds
+):
     publisher, heard, count = publishers("/a"), list[int](), 500
 
-    def take(message: UInt32) -> None:
+    def take(message):
         heard.append(message.data)
         time.sleep(seconds)
 
     subscription = node.create_subscription(UInt32, "/a", take, 3)
     sent = iter(range(count))
 
-    def send() -> None:
+    def send():
         for number in sent:
             publisher.publish(UInt32(number))
             time.sleep(0.001)
@@ -108,10 +102,8 @@ def test_of_messages_that_come_faster_than_their_callback_the_newest_are_kept_an
     assert subscription.drops > 0
 
 
-def test_a_small_message_does_not_overtake_a_large_one(
-    node: Node, publishers: Callable[[str], Publisher[UInt32]]
-) -> None:
-    sizes: list[int] = []
+def test_a_small_message_does_not_overtake_a_large_one(node, publishers):
+    sizes = []
     node.context.bus.subscribe("/a", lambda payload, _: sizes.append(len(payload)), is_large=True)
     publisher = publishers("/a")
     for _ in range(3):
@@ -122,7 +114,7 @@ def test_a_small_message_does_not_overtake_a_large_one(
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
-def test_a_forked_process_sends_nothing_with_its_parents_publisher(node: Node) -> None:
+def test_a_forked_process_sends_nothing_with_its_parents_publisher(node):
     publisher = node.create_publisher(UInt32, "/a")
     if (pid := os.fork()) == 0:
         try:

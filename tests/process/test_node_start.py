@@ -29,16 +29,16 @@ signal.signal(signal.SIGHUP, signal.SIG_{{}})
 
 
 @pytest.fixture
-def run(start_python: Start, bus_url: str) -> Start:
+def run(start_python, bus_url):
     """Start the script on the test's bus."""
 
-    def start(*arguments: str) -> Any:
+    def start(*arguments):
         return start_python(SCRIPT, *arguments, LCM_DEFAULT_URL=bus_url)
 
     return start
 
 
-def test_a_program_says_which_of_its_words_names_nothing(run: Start) -> None:
+def test_a_program_says_which_of_its_words_names_nothing(run):
     node = run("__ns=/husky0", "file=1", "--", ":=b")
     line = node.wait_for("names nothing")
     assert_says(line, "'__ns=/husky0'", "; did you mean __ns:=/husky0?")
@@ -47,7 +47,7 @@ def test_a_program_says_which_of_its_words_names_nothing(run: Start) -> None:
     assert ":=b" not in node.output
 
 
-def test_a_program_says_which_of_its_names_no_node_uses(run: Start) -> None:
+def test_a_program_says_which_of_its_names_no_node_uses(run):
     node = run("chater:=/a", "speed:=3", "/rosout:=/log", "lr=3", "_lr=3", "rosout=b")
     node.wait_for("'rosout=b'")
     assert [line.partition("[/own]: ")[2] for line in node.lines if "[WARN]" in line] == [
@@ -58,12 +58,12 @@ def test_a_program_says_which_of_its_names_no_node_uses(run: Start) -> None:
     ]
 
 
-def test_a_namespace_given_as_a_parameter_is_told(run: Start) -> None:
+def test_a_namespace_given_as_a_parameter_is_told(run):
     node = run("_ns:=/husky0")
     assert node.wait_for("no parameter").endswith("'ns'; did you mean __ns:= or __name:=?")
 
 
-def test_the_second_node_of_a_name_says_so(run: Start) -> None:
+def test_the_second_node_of_a_name_says_so(run):
     first = run()
     first.wait_for("ready")
     line = run().wait_for("of this name too")
@@ -74,9 +74,7 @@ def test_the_second_node_of_a_name_says_so(run: Start) -> None:
     assert "too" not in other.output
 
 
-def test_a_second_publisher_of_the_time_is_told_another_bus(
-    start_python: Start, bus_url: str, wait_until: Callable[..., None]
-) -> None:
+def test_a_second_publisher_of_the_time_is_told_another_bus(start_python, bus_url, wait_until):
     clock = SCRIPT.replace('print("ready")', 'node.create_publisher(Clock, "/clock")')
     script = f"from lcmtools.types.rosgraph_msgs import Clock\n{clock}"
     first = start_python(script, LCM_DEFAULT_URL=bus_url)
@@ -86,7 +84,7 @@ def test_a_second_publisher_of_the_time_is_told_another_bus(
     assert_says(second.wait_for("of this name too"), f"pid {first.pid} is", "with --domain 1")
 
 
-def test_a_node_that_starts_anew_says_nothing(run: Start) -> None:
+def test_a_node_that_starts_anew_says_nothing(run):
     for _ in range(2):
         node = run()
         node.wait_for("ready")
@@ -95,7 +93,7 @@ def test_a_node_that_starts_anew_says_nothing(run: Start) -> None:
         assert "too" not in node.output
 
 
-def test_a_closed_terminal_ends_a_node_with_a_goodbye(start_python: Start, bus_url: str) -> None:
+def test_a_closed_terminal_ends_a_node_with_a_goodbye(start_python, bus_url):
     node = start_python(HANGS_UP.format("DFL"), LCM_DEFAULT_URL=bus_url)
     records = NodeRecords(parse_url(bus_url), os.environ)
     node.wait_for("tick")
@@ -107,7 +105,7 @@ def test_a_closed_terminal_ends_a_node_with_a_goodbye(start_python: Start, bus_u
     assert list(records.read()) == []
 
 
-def test_nohup_lets_a_node_go_on(start_python: Start, bus_url: str) -> None:
+def test_nohup_lets_a_node_go_on(start_python, bus_url):
     node = start_python(HANGS_UP.format("IGN"), LCM_DEFAULT_URL=bus_url)
     node.wait_for("tick")
     node.send_signal(signal.SIGHUP)
@@ -118,8 +116,8 @@ def test_nohup_lets_a_node_go_on(start_python: Start, bus_url: str) -> None:
 
 @pytest.mark.parametrize(("command", "ready"), [("echo", "hello"), ("pub", "latching")])
 def test_a_closed_terminal_ends_a_command_with_a_goodbye(
-    start: Start, lcmtools_path: str, bus_url: str, command: str, ready: str
-) -> None:
+    start, lcmtools_path, bus_url, command, ready
+):
     talker = start(lcmtools_path, "run", "talker", LCM_DEFAULT_URL=bus_url)
     talker.wait_for("hello")
     words = ["/chatter", *(["std_msgs/String", "a"] if command == "pub" else [])]

@@ -2,40 +2,35 @@
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
 
 import lcm
 import pytest
-from fixtures.command import Result
 from fixtures.typist import Typist
 
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
-
-Velocity = tuple[float, float]
-Run = Callable[..., Result]
 
 
 class Robot:
     """Receives all commands on a bus."""
 
-    def __init__(self, url: str, topic: str) -> None:
-        self.received: list[Velocity] = []
+    def __init__(self, url, topic):
+        self.received = []
         self._bus = lcm.LCM(url)
         self._bus.subscribe(topic, self._receive)
         self._goes_on = True
         self._thread = threading.Thread(target=self._listen)
         self._thread.start()
 
-    def close(self) -> None:
+    def close(self):
         """Receive no more."""
         self._goes_on = False
         self._thread.join()
 
-    def _listen(self) -> None:
+    def _listen(self):
         while self._goes_on:
             self._bus.handle_timeout(50)
 
-    def _receive(self, _channel: str, payload: bytes) -> None:
+    def _receive(self, _channel, payload):
         try:
             twist = Twist.decode(payload)
         except ValueError:
@@ -44,11 +39,11 @@ class Robot:
 
 
 @pytest.fixture
-def listen(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], Robot]]:
+def listen(bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    robots: list[Robot] = []
+    robots = []
 
-    def make(topic: str) -> Robot:
+    def make(topic):
         robots.append(Robot(bus_url, topic))
         return robots[-1]
 
@@ -58,10 +53,10 @@ def listen(bus_url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 
 
 @pytest.fixture
-def typist(lcmtools_path: str) -> Iterator[Callable[..., Typist]]:
-    typists: list[Typist] = []
+def typist(lcmtools_path):
+    typists = []
 
-    def sit_down(*words: str) -> Typist:
+    def sit_down(*words):
         typists.append(Typist(lcmtools_path, "run", *words))
         return typists[-1]
 
@@ -70,13 +65,11 @@ def typist(lcmtools_path: str) -> Iterator[Callable[..., Typist]]:
         one.close()
 
 
-def without_repeats(received: list[Velocity]) -> list[Velocity]:
+def without_repeats(received):
     return [one for before, one in zip([None, *received], received, strict=False) if one != before]
 
 
-def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
-    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
-) -> None:
+def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(listen, cli, wait_until):
     robot = listen("/cmd_vel")
     result = cli("run", "teleop", input="i q z l I J . k\n")
     assert result.code == 0
@@ -88,9 +81,7 @@ def test_keys_from_a_pipe_are_published_one_by_one_and_end_with_zeros(
     assert set(robot.received[8:]) == {(0.0, 0.0)}
 
 
-def test_waits_in_a_pipe_are_kept_and_the_command_repeated(
-    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
-) -> None:
+def test_waits_in_a_pipe_are_kept_and_the_command_repeated(listen, cli, wait_until):
     robot = listen("/RosAria/cmd_vel")
     cli("run", "pioneer_manual_controller", "_speed:=0.3", input="i 1 l")
     wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
@@ -98,18 +89,14 @@ def test_waits_in_a_pipe_are_kept_and_the_command_repeated(
     assert 6 <= robot.received.count((0.3, 0.0)) <= 12
 
 
-def test_stamped_commands_go_to_the_remapped_topic(
-    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
-) -> None:
+def test_stamped_commands_go_to_the_remapped_topic(listen, cli, wait_until):
     robot = listen("/a/b")
     cli("run", "teleop", "--stamped", "__ns:=/a", "cmd_vel:=b", input="u")
     wait_until(lambda: len(robot.received) >= 4)
     assert without_repeats(robot.received) == [(0.5, 1.0), (0.0, 0.0)]
 
 
-def test_sliders_are_steered_from_a_pipe(
-    listen: Callable[[str], Robot], cli: Run, wait_until: Callable[..., None]
-) -> None:
+def test_sliders_are_steered_from_a_pipe(listen, cli, wait_until):
     robot = listen("/husky0/desired_velocity")
     cli("run", "steering", "/husky0/desired_velocity", input="up up left d x space")
     wait_until(lambda: len(robot.received) >= 9)
@@ -120,11 +107,8 @@ def test_sliders_are_steered_from_a_pipe(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
 def test_every_ending_signal_stops_the_robot_and_restores_the_terminal(
-    number: signal.Signals,
-    listen: Callable[[str], Robot],
-    typist: Callable[..., Typist],
-    wait_until: Callable[..., None],
-) -> None:
+    number, listen, typist, wait_until
+):
     robot = listen("/cmd_vel")
     driver = typist("teleop")
     driver.wait_for("v +0.00")
@@ -138,19 +122,14 @@ def test_every_ending_signal_stops_the_robot_and_restores_the_terminal(
     wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
 
 
-def test_the_first_lines_of_log_come_before_the_status_line(typist: Callable[..., Typist]) -> None:
+def test_the_first_lines_of_log_come_before_the_status_line(typist):
     driver = typist("pioneer_manual_controller")
     driver.wait_for("v +0.00")
     assert b"lcmtools' own pioneer_manual_controller" in driver.written.partition(b"v +0.00")[0]
 
 
 @pytest.mark.parametrize("last_key", ["\x04", "hang up"])
-def test_end_of_the_terminal_stops_the_robot(
-    last_key: str,
-    listen: Callable[[str], Robot],
-    typist: Callable[..., Typist],
-    wait_until: Callable[..., None],
-) -> None:
+def test_end_of_the_terminal_stops_the_robot(last_key, listen, typist, wait_until):
     robot = listen("/RosAria/cmd_vel")
     driver = typist("pioneer_manual_controller")
     driver.wait_for("v +0.00")
@@ -165,9 +144,7 @@ def test_end_of_the_terminal_stops_the_robot(
     wait_until(lambda: robot.received[-3:] == [(0.0, 0.0)] * 3)
 
 
-def test_key_that_is_held_drives_and_one_that_is_let_go_stops(
-    listen: Callable[[str], Robot], typist: Callable[..., Typist], wait_until: Callable[..., None]
-) -> None:
+def test_key_that_is_held_drives_and_one_that_is_let_go_stops(listen, typist, wait_until):
     robot = listen("/cmd_vel")
     driver = typist("teleop", "--hold")
     driver.wait_for("v +0.00")
@@ -177,9 +154,7 @@ def test_key_that_is_held_drives_and_one_that_is_let_go_stops(
     assert driver.process.poll() is None
 
 
-def test_suspended_program_stops_the_robot_and_gives_the_terminal_back(
-    listen: Callable[[str], Robot], typist: Callable[..., Typist], wait_until: Callable[..., None]
-) -> None:
+def test_suspended_program_stops_the_robot_and_gives_the_terminal_back(listen, typist, wait_until):
     robot = listen("/cmd_vel")
     driver = typist("teleop")
     driver.wait_for("v +0.00")

@@ -2,29 +2,17 @@
 
 import signal
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line
 
 from lcmtools.labs.skeletons import NAMES
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 
-Run = Callable[..., Result]
-
 
 @pytest.mark.parametrize("name", NAMES)
-def test_skeleton_runs_as_it_is_and_does_nothing_wrong(
-    name: str,
-    cli: Run,
-    start: Callable[..., Any],
-    tmp_path: Path,
-    wait_until: Callable[..., None],
-) -> None:
+def test_skeleton_runs_as_it_is_and_does_nothing_wrong(name, cli, start, tmp_path, wait_until):
     copied = cli("lab", "skeleton", name, str(tmp_path / "lab"))
     path = tmp_path / "lab" / f"{name}.py"
     assert (copied.code, copied.out) == (0, f"{path}\n")
@@ -36,7 +24,7 @@ def test_skeleton_runs_as_it_is_and_does_nothing_wrong(
     assert (program.wait(), program.output) == (0, "")
 
 
-def test_skeleton_is_overwritten_only_by_force(cli: Run, tmp_path: Path) -> None:
+def test_skeleton_is_overwritten_only_by_force(cli, tmp_path):
     mine = tmp_path / "moving_robot.py"
     mine.write_text("mine")
     words = ("lab", "skeleton", "moving_robot", str(tmp_path))

@@ -10,11 +10,8 @@ import struct
 import subprocess
 import termios
 import time
-from collections.abc import Callable
 from contextlib import closing
 from fcntl import ioctl
-from pathlib import Path
-from typing import Any
 
 import lcm
 import PIL.Image
@@ -28,7 +25,7 @@ from lcmtools.types.sensor_msgs import CompressedImage, Image
 TOPIC = "/camera/depth/image_raw"
 
 
-def picture() -> Image:
+def picture():
     message = Image()
     message.encoding, message.width, message.height, message.step = "16UC1", 8, 6, 16
     message.data = struct.pack("<48H", *range(1000, 1048))
@@ -36,7 +33,7 @@ def picture() -> Image:
     return message
 
 
-def publish_until_end(process: "subprocess.Popen[bytes]", url: str, message: object) -> None:
+def publish_until_end(process, url, message):
     """A camera, until its reader has had enough."""
     bus = lcm.LCM(url)
     deadline = time.monotonic() + 40
@@ -46,7 +43,7 @@ def publish_until_end(process: "subprocess.Popen[bytes]", url: str, message: obj
         time.sleep(0.05)
 
 
-def look(url: str, path: str, message: object, *words: str) -> tuple[int, str]:
+def look(url, path, message, *words):
     """Run a viewer in front of a camera; its exit code and output."""
     with subprocess.Popen(
         [path, "run", *words],
@@ -61,8 +58,8 @@ def look(url: str, path: str, message: object, *words: str) -> tuple[int, str]:
 
 
 def test_a_topic_without_a_publisher_is_named_at_once_with_those_that_have_pictures(
-    bus_url: str, lcmtools_path: str, start: Callable[..., Any]
-) -> None:
+    bus_url, lcmtools_path, start
+):
     words = (lcmtools_path, "run", "image_view", "--lcm-url", bus_url)
     alone = start(*words, "image:=/camera/rgb")
     alone.wait_for("no node publishes /camera/rgb; lcmtools list shows all")
@@ -76,16 +73,14 @@ def test_a_topic_without_a_publisher_is_named_at_once_with_those_that_have_pictu
     assert not any("no node publishes" in line for line in seen.lines)
 
 
-def test_one_line_is_written_where_there_is_no_terminal(bus_url: str, lcmtools_path: str) -> None:
+def test_one_line_is_written_where_there_is_no_terminal(bus_url, lcmtools_path):
     assert look(bus_url, lcmtools_path, picture(), "kinect_viewer", "--once") == (
         0,
         "8 x 6 16UC1  min 1.00 m  max 1.05 m  middle 1.03 m\n",
     )
 
 
-def test_picture_is_saved_with_values_and_with_a_number(
-    bus_url: str, lcmtools_path: str, tmp_path: Path
-) -> None:
+def test_picture_is_saved_with_values_and_with_a_number(bus_url, lcmtools_path, tmp_path):
     file = str(tmp_path / "depth%03d.png")
     words = ("image_view", f"image:={TOPIC}", "--once", "--json", "--values", "--save", file)
     code, output = look(bus_url, lcmtools_path, picture(), *words)
@@ -95,9 +90,7 @@ def test_picture_is_saved_with_values_and_with_a_number(
         assert image.tobytes() == struct.pack("<48H", *range(1000, 1048))
 
 
-def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
-    bus_url: str, lcmtools_path: str
-) -> None:
+def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(bus_url, lcmtools_path):
     message = CompressedImage()
     message.format = "png"
     message.data = encode_png_of_depth()
@@ -111,7 +104,7 @@ def test_compressed_picture_is_shown_and_a_broken_one_is_one_line(
     assert_line(output, "lcmtools run kinect_viewer: ", "picture", "PNG, JPEG or PGM")
 
 
-def encode_png_of_depth() -> bytes:
+def encode_png_of_depth():
     file = io.BytesIO()
     PIL.Image.frombytes("I;16", (2, 1), struct.pack("<2H", 700, 1200)).save(file, "PNG")
     return file.getvalue()
@@ -119,18 +112,15 @@ def encode_png_of_depth() -> bytes:
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, "q"])
 def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one story, from begin to end
-    ending: signal.Signals | str,
-    bus_url: str,
-    lcmtools_path: str,
-    wait_until: Callable[..., None],
-) -> None:
+    ending, bus_url, lcmtools_path, wait_until
+):
     screen, end = pty.openpty()
     ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 12, 40, 0, 0))
     before = termios.tcgetattr(end)
     written = bytearray()
     bus = lcm.LCM(bus_url)
 
-    def shows(text: bytes) -> bool:
+    def shows(text):
         bus.publish(TOPIC, picture().encode())
         while select.select([screen], [], [], 0.02)[0]:
             written.extend(os.read(screen, 65536))
@@ -164,8 +154,8 @@ def test_terminal_shows_the_picture_and_is_given_back(  # noqa: PLR0915 - one st
 
 
 def test_a_terminal_that_is_closed_ends_a_viewer_as_its_signal_does(
-    bus_url: str, lcmtools_path: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    bus_url, lcmtools_path, monkeypatch
+):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     with closing(Typist(lcmtools_path, "run", "image_view", "--terminal")) as user:
         user.wait_for("\x1b[H")
@@ -175,13 +165,8 @@ def test_a_terminal_that_is_closed_ends_a_viewer_as_its_signal_does(
 
 @pytest.mark.parametrize("display", ["", ":0"])
 def test_a_viewer_serves_the_image_panel_and_opens_it_where_there_is_a_display(
-    display: str,
-    bus_url: str,
-    lcmtools_path: str,
-    start: Callable[..., Any],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    display, bus_url, lcmtools_path, start, tmp_path, monkeypatch
+):
     opened, browser = tmp_path / "opened", tmp_path / "browser"
     browser.write_text(f'#!/bin/sh\necho "$1" > {opened}\n')
     browser.chmod(0o755)

@@ -1,22 +1,19 @@
 """Whole messages of channels that change, beside a monitor that reads heads only."""
 
 import threading
-from collections.abc import Callable, Iterator
 
 import pytest
 
-from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.observe.channels.feed import Feed
 from lcmtools.observe.channels.rows import ChannelSelection
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.wire.packet import Packet
 
 LARGE = {"A": b"a" * 200_000, "AB": b"b" * 300_000, "C": b"c" * 100_000}
 
 
 @pytest.fixture
-def feed(bus_url: str) -> Iterator[Feed]:
+def feed(bus_url):
     with BusMonitor(parse_url(bus_url), "gui", {}) as monitor:
         feed = Feed(monitor, ChannelSelection())
         feed.listens_to_all = False
@@ -25,16 +22,14 @@ def feed(bus_url: str) -> Iterator[Feed]:
         feed.stop()
 
 
-def buses() -> int:
+def buses():
     return sum(thread.name == "bus receiver" for thread in threading.enumerate())
 
 
-def test_large_messages_of_several_channels_come_whole_by_one_bus(
-    feed: Feed, bus: UdpBus, wait_until: Callable[..., None]
-) -> None:
-    taken: dict[str, list[Packet]] = {name: [] for name in LARGE}
+def test_large_messages_of_several_channels_come_whole_by_one_bus(feed, bus, wait_until):
+    taken = {name: [] for name in LARGE}
 
-    def has_come(*names: str) -> bool:
+    def has_come(*names):
         for name, payload in LARGE.items():
             bus.publish(name, payload)
         return all(taken[name] for name in names)
@@ -54,13 +49,11 @@ def test_large_messages_of_several_channels_come_whole_by_one_bus(
     assert buses() == before
 
 
-def test_an_end_is_for_its_taker_only(
-    feed: Feed, bus: UdpBus, wait_until: Callable[..., None]
-) -> None:
-    first: list[Packet] = []
-    second: list[Packet] = []
+def test_an_end_is_for_its_taker_only(feed, bus, wait_until):
+    first = []
+    second = []
 
-    def publish() -> None:
+    def publish():
         bus.publish("SMALL", b"12345678")
 
     end = feed.follow("SMALL", first.append)
@@ -73,12 +66,10 @@ def test_an_end_is_for_its_taker_only(
     assert len(first) == count
 
 
-def test_only_what_is_followed_is_announced_unless_all_is_wanted(
-    feed: Feed, bus_url: str, wait_until: Callable[..., None]
-) -> None:
+def test_only_what_is_followed_is_announced_unless_all_is_wanted(feed, bus_url, wait_until):
     with BusMonitor(parse_url(bus_url), "other", {}) as other:
 
-        def heard() -> set[str]:
+        def heard():
             other.receive(0.05)
             return {end.topic for node in other.graph().nodes for end in node.endpoints}
 

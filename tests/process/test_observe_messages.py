@@ -3,11 +3,8 @@
 import os
 import signal
 import socket
-from collections.abc import Callable
 from contextlib import closing
 from itertools import islice
-from pathlib import Path
-from typing import Any
 
 import lcm
 import pytest
@@ -24,7 +21,7 @@ START_US = 1_700_000_000_000_000
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> Path:
+def log(tmp_path):
     """A log with numbers at 100 Hz on /n, texts on /a/s, and bytes of no type on RAW."""
     path = tmp_path / "a.log"
     with closing(lcm.EventLog(str(path), "w", overwrite=True)) as events:
@@ -37,21 +34,21 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_log_gives_its_messages_with_the_times_of_their_recording(log: Path) -> None:
+def test_a_log_gives_its_messages_with_the_times_of_their_recording(log):
     arrivals = list(lcmtools.observe.messages("n", log=log))
     assert [arrival.message.data for arrival in arrivals] == list(range(MESSAGES))
     assert arrivals[1].time == START_US * 1000 + 10_000_000
     assert {(arrival.topic, arrival.sender) for arrival in arrivals} == {("/n", "unknown sender")}
 
 
-def test_an_expression_and_a_pattern_choose_messages(log: Path) -> None:
+def test_an_expression_and_a_pattern_choose_messages(log):
     found = lcmtools.observe.messages("/n", log=str(log), where="m.data >= 28")
     assert [arrival.message.data for arrival in found] == [28, 29]
     found = lcmtools.observe.messages("/n", "/**", log=log)
     assert [arrival.topic for arrival in found] == ["/n", "/a/s"] * MESSAGES
 
 
-def test_what_is_wrong_is_an_error(log: Path) -> None:
+def test_what_is_wrong_is_an_error(log):
     with raises_saying(LcmtoolsError, "nothing on /m", "; ", "/a/s, /n, RAW"):
         list(lcmtools.observe.messages("/m", log=log))
     with pytest.raises(UsageError, match="no topic is named"):
@@ -62,21 +59,19 @@ def test_what_is_wrong_is_an_error(log: Path) -> None:
         list(lcmtools.observe.messages("/n", log=log.with_name("none")))
 
 
-def test_what_cannot_be_decoded_is_an_error_unless_it_is_taken(log: Path) -> None:
+def test_what_cannot_be_decoded_is_an_error_unless_it_is_taken(log):
     (odd,) = lcmtools.observe.messages("RAW", log=log, undecoded=True)
     assert odd.payload == bytes(20)
     with pytest.raises(DecodeError, match="unknown type"):
         _ = odd.message
     with pytest.warns(UserWarning, match="a message is left out: RAW: unknown type"):
         assert list(lcmtools.observe.messages("RAW", log=log, where="m.data > 0")) == []
-    errors: list[DecodeError] = []
+    errors = []
     assert list(lcmtools.observe.messages("RAW", log=log, on_error=errors.append)) == []
     assert len(errors) == 1
 
 
-def test_a_bus_gives_messages_as_they_come_with_their_senders(
-    bus_url: str, start_node: Callable[..., Any], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bus_gives_messages_as_they_come_with_their_senders(bus_url, start_node, capsys):
     handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     start_node(Talker, "__ns:=/a")
     start_node(Talker, "__ns:=/b")
@@ -91,7 +86,7 @@ def test_a_bus_gives_messages_as_they_come_with_their_senders(
     assert capsys.readouterr() == ("", "")
 
 
-def test_nothing_is_missed_that_is_sent_after_the_call(bus_url: str) -> None:
+def test_nothing_is_missed_that_is_sent_after_the_call(bus_url):
     with closing(lcmtools.observe.messages("EXAMPLE", url=bus_url, timeout=10)) as arrivals:
         sender = lcm.LCM(bus_url)
         sender.publish("EXAMPLE", encode(String()))
@@ -100,14 +95,12 @@ def test_nothing_is_missed_that_is_sent_after_the_call(bus_url: str) -> None:
     assert arrival.sender.endswith(f"(pid {os.getpid()})")
 
 
-def test_a_bus_where_nothing_comes_is_given_up_and_left(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bus_where_nothing_comes_is_given_up_and_left(bus_url, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
-    sockets: list[socket.socket] = []
+    sockets = []
     make = socket.socket.__init__
 
-    def note(self: socket.socket, *args: Any, **options: Any) -> None:
+    def note(self, *args, **options):
         sockets.append(self)
         make(self, *args, **options)
 

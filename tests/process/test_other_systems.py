@@ -1,10 +1,7 @@
 """Commands and nodes in processes without the calls, files and options that only Linux has."""
 
 import re
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures import macos
@@ -21,12 +18,7 @@ nodes:
 
 
 @pytest.fixture(scope="module")
-def launched(
-    module_start: Callable[..., Any],
-    lcmtools_path: str,
-    lcm_program: Callable[[str], str],
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Any:
+def launched(module_start, lcmtools_path, lcm_program, tmp_path_factory):
     """A launch of two talkers, beside a plain LCM program that sends every 0.4 s."""
     folder = tmp_path_factory.mktemp("launch")
     (folder / "talkers.yaml").write_text(LAUNCH)
@@ -42,15 +34,11 @@ def launched(
 
 
 @pytest.fixture
-def run(
-    lcmtools_process: Callable[..., subprocess.CompletedProcess[str]],
-    launched: object,
-    use_module_bus: None,
-) -> Callable[..., str]:
+def run(lcmtools_process, launched, use_module_bus):
     """``run("list") -> output``: a command that is successful."""
     del launched, use_module_bus
 
-    def command(*words: str) -> str:
+    def command(*words):
         result = lcmtools_process(*words, **MACOS)
         assert result.returncode == 0, result
         return result.stdout
@@ -58,19 +46,19 @@ def run(
     return command
 
 
-def test_list_shows_topics_of_nodes_and_of_plain_programs(run: Callable[..., str]) -> None:
+def test_list_shows_topics_of_nodes_and_of_plain_programs(run):
     assert run("list").split() == ["/chatter", "/rosout", "/words", "PLAIN"]
     assert run("type", "/words") == "std_msgs/String\n"
 
 
-def test_nodes_run_and_are_found(run: Callable[..., str]) -> None:
+def test_nodes_run_and_are_found(run):
     assert run("node", "list").split() == ["/other", "/talker"]
     assert "reply from /talker" in run("node", "ping", "talker", "-c", "1")
     assert "/chatter: " in run("node", "info", "talker")
     assert re.search(r"messages: \d+, .* rate: \d", run("info", "/chatter"))
 
 
-def test_echo_hz_and_pub_work(run: Callable[..., str], start: Any, lcmtools_path: str) -> None:
+def test_echo_hz_and_pub_work(run, start, lcmtools_path):
     assert run("echo", "/words", "-n", "1").startswith('data: "hello world ')
     assert "average rate: " in run("hz", "/chatter", "-n", "1")
     reader = start(lcmtools_path, "echo", "/said", "--json", "-n", "1", **MACOS)
@@ -79,16 +67,14 @@ def test_echo_hz_and_pub_work(run: Callable[..., str], start: Any, lcmtools_path
     assert reader.wait() == 0
 
 
-def test_wtf_says_which_rules_it_could_not_check(run: Callable[..., str]) -> None:
+def test_wtf_says_which_rules_it_could_not_check(run):
     rows = [line for line in run("wtf").splitlines() if line.startswith("Not checked")]
     listing, reporting = rows
     assert_says(listing, "(", "sockets", "/proc/net/udp))")
     assert_says(reporting, "(", "sockets of programs", "/proc))")
 
 
-def test_a_killed_node_is_known_to_have_ended(
-    run: Callable[..., str], start: Any, lcmtools_path: str
-) -> None:
+def test_a_killed_node_is_known_to_have_ended(run, start, lcmtools_path):
     node = start(lcmtools_path, "run", "talker", "__name:=victim", **MACOS)
     node.wait_for("hello world 0")
     assert "killed" in run("node", "kill", "victim")
@@ -96,7 +82,7 @@ def test_a_killed_node_is_known_to_have_ended(
     assert "/victim" not in run("node", "list")
 
 
-def test_the_launch_ends_its_nodes(run: Callable[..., str], launched: Any) -> None:
+def test_the_launch_ends_its_nodes(run, launched):
     launched.send_signal(2)
     assert launched.wait() == 0
     assert run("list").split() == ["PLAIN"]
@@ -130,5 +116,5 @@ print("answered")
 """
 
 
-def test_the_kernel_is_not_asked_for_more_than_it_has(start_python: Callable[..., Any]) -> None:
+def test_the_kernel_is_not_asked_for_more_than_it_has(start_python):
     start_python(ANSWERS, **MACOS).wait_for("answered")

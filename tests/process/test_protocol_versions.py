@@ -2,25 +2,18 @@
 
 import json
 import sys
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures import other_version
 
 from lcmtools.graph.model import VERSION
 
-Run = Callable[..., Any]
-
 _KINDS = ("newer", "older", "unreadable", "before")
 _PROGRAM = other_version.__file__
 
 
 @pytest.fixture(params=["udpm", "tcpq", "zenoh"])
-def any_bus(
-    request: pytest.FixtureRequest, free_port: Callable[[], int], monkeypatch: pytest.MonkeyPatch
-) -> str:
+def any_bus(request, free_port, monkeypatch):
     """A bus of each kind, for all programs of the test."""
     url = {
         "udpm": lambda: f"udpm://239.255.76.67:{free_port()}?ttl=0",
@@ -31,11 +24,11 @@ def any_bus(
     return request.param
 
 
-def _publishers(cli: Run, topic: str) -> set[str]:
+def _publishers(cli, topic):
     return {one["node"] for one in json.loads(cli("info", topic, "--json").out)[0]["publishers"]}
 
 
-def test_nodes_of_other_versions_are_seen_and_answer(any_bus: str, start: Run, cli: Run) -> None:
+def test_nodes_of_other_versions_are_seen_and_answer(any_bus, start, cli):
     for kind in _KINDS:
         start(sys.executable, _PROGRAM, kind).wait_for("runs")
     names = {f"/{kind}_talker" for kind in _KINDS}
@@ -59,9 +52,7 @@ def test_nodes_of_other_versions_are_seen_and_answer(any_bus: str, start: Run, c
     assert cli("node", "list").out == ""
 
 
-def test_a_newer_node_is_recorded_and_read_from_the_log(
-    bus_url: str, start: Run, cli: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_newer_node_is_recorded_and_read_from_the_log(bus_url, start, cli, tmp_path, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     start(sys.executable, _PROGRAM, "newer").wait_for("runs")
     start(sys.executable, _PROGRAM, "unreadable").wait_for("runs")
@@ -78,9 +69,7 @@ def test_a_newer_node_is_recorded_and_read_from_the_log(
     }
 
 
-def test_wtf_notes_the_versions_and_takes_no_node_for_stale(
-    bus_url: str, start: Run, cli: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_wtf_notes_the_versions_and_takes_no_node_for_stale(bus_url, start, cli, monkeypatch):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     for kind in _KINDS:
         start(sys.executable, _PROGRAM, kind).wait_for("runs")

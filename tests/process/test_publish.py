@@ -1,8 +1,6 @@
 """``lcmtools.publish.publish``, called from Python."""
 
-from collections.abc import Iterator
 from itertools import count
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
@@ -20,12 +18,12 @@ pytestmark = pytest.mark.usefixtures("use_module_bus")
 
 
 @pytest.fixture
-def topic() -> str:
+def topic():
     """A topic of the test's own."""
     return f"/publish{next(_topics)}"
 
 
-def _twist() -> Twist:
+def _twist():
     twist = Twist()
     twist.linear.x = 0.5
     return twist
@@ -34,22 +32,22 @@ def _twist() -> Twist:
 @pytest.mark.parametrize(
     "value", [_twist(), {"linear": [0.5, 0, 0]}, [[0.5, 0, 0], [0, 0, 0]], "linear: {x: 0.5}"]
 )
-def test_a_message_is_sent_so_many_times(value: Any, topic: str, receiver: Any) -> None:
+def test_a_message_is_sent_so_many_times(value, topic, receiver):
     received = receiver.subscribe(topic, "geometry_msgs/Twist")
     assert publish(topic, Twist, value, count=2, rate=100) == 2
     assert [message["linear"]["x"] for message in received()] == [0.5, 0.5]
 
 
-def test_messages_of_an_iterator_are_sent_as_they_come(topic: str, receiver: Any) -> None:
+def test_messages_of_an_iterator_are_sent_as_they_come(topic, receiver):
     received = receiver.subscribe(topic)
-    sent: list[str] = []
+    sent = []
 
-    def texts() -> Iterator[str]:
+    def texts():
         for text in "ab":
             yield text
             sent.append(text)
 
-    told: list[tuple[int, str, bool]] = []
+    told = []
     number = publish(
         topic,
         STRING,
@@ -61,9 +59,9 @@ def test_messages_of_an_iterator_are_sent_as_they_come(topic: str, receiver: Any
     assert received() == [{"data": "a"}, {"data": "b"}]
 
 
-def test_names_and_what_a_person_reads_are_given(topic: str, receiver: Any) -> None:
+def test_names_and_what_a_person_reads_are_given(topic, receiver):
     received = receiver.subscribe(f"/robot{topic}")
-    notes: list[str] = []
+    notes = []
     arguments = NodeArguments(namespace="/robot")
     assert publish(topic[1:], STRING, "x", count=1, arguments=arguments) == 1
     assert received() == [{"data": "x"}]
@@ -72,7 +70,7 @@ def test_names_and_what_a_person_reads_are_given(topic: str, receiver: Any) -> N
     assert_says(note, "no node", "/nobody", "; publishing anyway")
 
 
-def test_what_cannot_be_sent_raises(topic: str) -> None:
+def test_what_cannot_be_sent_raises(topic):
     with pytest.raises(NothingReceived, match=r"not within 0\.1 s: 1 subscriber"):
         publish(topic, STRING, "x", count=1, subscribers=1, timeout=0.1)
     with pytest.raises(ValueMismatch, match="data"):

@@ -6,25 +6,19 @@ import re
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
 from fixtures.typist import Typist
 
-from lcmtools.bus.base import Bus
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.relay_report import Link, State
+from lcmtools.graph.relay_report import State
 from lcmtools.labs.nodes.talker import Talker
 from lcmtools.relay.relay import Relay, attend
 from lcmtools.relay.rules import Rules
-
-WaitUntil = Callable[..., None]
-Start = Callable[..., Any]
 
 
 class _EndError(Exception):
@@ -39,41 +33,41 @@ class RunningRelay:
         link: Its state.
     """
 
-    def __init__(self, here: str, there: str, rules: Rules, name: str) -> None:
-        self.said: list[str] = []
-        self.link: Link | None = None
+    def __init__(self, here, there, rules, name):
+        self.said = []
+        self.link = None
         self._ends = threading.Event()
         self._relay = Relay((parse_url(here), parse_url(there)), rules, self.said.append, name=name)
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
     @property
-    def carries(self) -> bool:
+    def carries(self):
         """True while it carries messages."""
         return self.link is not None and self.link.state is State.ACTIVE
 
     @property
-    def stands_by(self) -> bool:
+    def stands_by(self):
         """True once it has said that it stands by."""
         return any(text.startswith("stands by") for text in self.said) and not self.carries
 
-    def end(self) -> None:
+    def end(self):
         """End it, with its goodbye."""
         self._ends.set()
         self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self):
         with pytest.raises(_EndError), self._relay:
             attend(self._relay, self._note)
 
-    def _note(self, link: Link) -> None:
+    def _note(self, link):
         self.link = link
         if self._ends.is_set():
             raise _EndError
 
 
 @pytest.fixture
-def nothing_late(monkeypatch: pytest.MonkeyPatch) -> None:
+def nothing_late(monkeypatch):
     """Nothing is late for a relay of this process, however busy the computer is."""
     monkeypatch.setattr("lcmtools.relay.side.LATE", 3600.0)
     monkeypatch.setattr("lcmtools.wire.lateness.LATE", 3600 * 10**9)
@@ -81,12 +75,12 @@ def nothing_late(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def relay(wait_until: WaitUntil, nothing_late: None) -> Iterator[Callable[..., RunningRelay]]:
+def relay(wait_until, nothing_late):
     """``relay(here, there, Rules(), waits=True)``: a relay that works, or stands by."""
     del nothing_late
-    running: list[RunningRelay] = []
+    running = []
 
-    def run(here: str, there: str, rules: Rules = Rules()) -> RunningRelay:  # noqa: B008
+    def run(here, there, rules=Rules()):  # noqa: B008
         one = RunningRelay(here, there, rules, f"/relay_{len(running)}")
         running.append(one)
         wait_until(lambda: one.carries or one.stands_by)
@@ -98,17 +92,17 @@ def relay(wait_until: WaitUntil, nothing_late: None) -> Iterator[Callable[..., R
 
 
 @pytest.fixture
-def urls(free_port: Callable[[], int]) -> Callable[..., str]:
+def urls(free_port):
     """Gives buses: ``urls()``, ``urls("zenoh://224.0.0.224:")``."""
     return lambda start="udpm://239.255.76.67:": f"{start}{free_port()}"
 
 
 @pytest.fixture
-def join() -> Iterator[Callable[[str], Bus]]:
+def join():
     """``join(url)``: a connection to a bus."""
     with ExitStack() as closing:
 
-        def make(url: str) -> Bus:
+        def make(url):
             bus = open_bus(parse_url(url))
             closing.callback(bus.close)
             return bus
@@ -116,22 +110,17 @@ def join() -> Iterator[Callable[[str], Bus]]:
         yield make
 
 
-def _hears(bus: Bus, channel: str) -> list[bytes]:
-    heard: list[bytes] = []
+def _hears(bus, channel):
+    heard = []
     bus.subscribe(channel, lambda payload, _: heard.append(payload))
     return heard
 
 
-def _numbers(count: int) -> list[bytes]:
+def _numbers(count):
     return [number.to_bytes(8, "big") for number in range(count)]
 
 
-def test_messages_pass_both_ways_once_and_in_order(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+def test_messages_pass_both_ways_once_and_in_order(relay, urls, join, wait_until):
     one, other = urls(), urls()
     relay(one, other)
     here, there = join(one), join(other)
@@ -150,12 +139,7 @@ def test_messages_pass_both_ways_once_and_in_order(
     assert own == [*_numbers(300), large]  # no echo
 
 
-def test_of_two_relays_one_carries_and_the_other_takes_over(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+def test_of_two_relays_one_carries_and_the_other_takes_over(relay, urls, join, wait_until):
     one, other = urls(), urls()
     first, second = relay(one, other), relay(other, one)
     assert (first.carries, second.stands_by) == (True, True)
@@ -174,12 +158,7 @@ def test_of_two_relays_one_carries_and_the_other_takes_over(
     assert heard == own == [*_numbers(100), *_numbers(100), b"end"]
 
 
-def test_a_ring_of_three_makes_no_circle(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+def test_a_ring_of_three_makes_no_circle(relay, urls, join, wait_until):
     rings = [urls(), urls(), urls()]
     relays = [relay(rings[number], rings[(number + 1) % 3]) for number in range(3)]
     assert [one.carries for one in relays] == [True, True, False]
@@ -200,13 +179,8 @@ def test_a_ring_of_three_makes_no_circle(
 
 
 def test_another_relay_takes_over_from_one_that_is_killed_and_keeps_what_it_has(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    start: Start,
-    lcmtools_path: str,
-    wait_until: WaitUntil,
-) -> None:
+    relay, urls, join, start, lcmtools_path, wait_until
+):
     one, other = urls(), urls()
     killed = start(lcmtools_path, "relay", one, other)
     killed.wait_for("carries messages between")
@@ -227,13 +201,7 @@ def test_another_relay_takes_over_from_one_that_is_killed_and_keeps_what_it_has(
     assert again.wait() == 130
 
 
-def test_nodes_are_seen_on_the_other_bus_with_their_own(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    cli: Callable[..., Any],
-    start_node: Callable[..., Any],
-    wait_until: WaitUntil,
-) -> None:
+def test_nodes_are_seen_on_the_other_bus_with_their_own(relay, urls, cli, start_node, wait_until):
     one, other = urls(), urls()
     start_node(Talker, url=one)
     running = relay(one, other, Rules(prefix="robot7"))
@@ -263,9 +231,7 @@ def test_nodes_are_seen_on_the_other_bus_with_their_own(
     assert not list(NodeRecords(parse_url(other), os.environ).read())
 
 
-def test_a_relay_that_is_interrupted_before_it_begins_is_missed_by_nobody(
-    urls: Callable[..., str],
-) -> None:
+def test_a_relay_that_is_interrupted_before_it_begins_is_missed_by_nobody(urls):
     buses = parse_url(urls()), parse_url(urls())
     records = [NodeRecords(bus, os.environ) for bus in buses]
     relay = Relay(buses, Rules(), [].append, name="/short")
@@ -276,13 +242,7 @@ def test_a_relay_that_is_interrupted_before_it_begins_is_missed_by_nobody(
     assert not any(list(of.read()) for of in records)
 
 
-def test_parameters_and_services_work_through_a_relay(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    cli: Callable[..., Any],
-    start_node: Callable[..., Any],
-    wait_until: WaitUntil,
-) -> None:
+def test_parameters_and_services_work_through_a_relay(relay, urls, cli, start_node, wait_until):
     one, other = urls(), urls()
     start_node(Talker, url=one)
     relay(one, other)
@@ -294,12 +254,7 @@ def test_parameters_and_services_work_through_a_relay(
     assert_says(refused.err, "/talker", "use_sim_time", "cannot change")
 
 
-def test_commands_pass_only_where_they_are_named(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+def test_commands_pass_only_where_they_are_named(relay, urls, join, wait_until):
     one, other = urls(), urls()
     running = relay(one, other, Rules(allow=["**", "/named/cmd_vel"], deny=["/no"]))
     here, there = join(one), join(other)
@@ -314,11 +269,8 @@ def test_commands_pass_only_where_they_are_named(
 
 
 def test_what_needs_an_option_to_pass_is_said_once_with_the_option(
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    start: Callable[..., Any],
-    lcmtools_path: str,
-) -> None:
+    urls, join, start, lcmtools_path
+):
     one, other = urls(), urls()
     program = start(lcmtools_path, "relay", one, other)
     program.wait_for("carries messages between")
@@ -334,9 +286,7 @@ def test_what_needs_an_option_to_pass_is_said_once_with_the_option(
 
 
 @pytest.mark.usefixtures("nothing_late")
-def test_what_it_counted_since_its_last_turn_is_in_its_link(
-    urls: Callable[..., str], join: Callable[[str], Bus], wait_until: WaitUntil
-) -> None:
+def test_what_it_counted_since_its_last_turn_is_in_its_link(urls, join, wait_until):
     one, other = urls(), urls()
     here, there = join(one), join(other)
     last = _hears(there, "/last")
@@ -350,14 +300,12 @@ def test_what_it_counted_since_its_last_turn_is_in_its_link(
 
 
 @pytest.mark.usefixtures("nothing_late")
-def test_it_carries_by_the_time_it_says_so(
-    urls: Callable[..., str], join: Callable[[str], Bus], wait_until: WaitUntil
-) -> None:
+def test_it_carries_by_the_time_it_says_so(urls, join, wait_until):
     one, other = urls(), urls()
     here, there = join(one), join(other)
     early = _hears(there, "/early")
 
-    def notify(text: str) -> None:
+    def notify(text):
         if text.startswith("carries messages"):
             here.publish("/early", b"12345678")
             wait_until(lambda: early)
@@ -367,19 +315,12 @@ def test_it_carries_by_the_time_it_says_so(
     assert early == [b"12345678"]
 
 
-def test_an_allowed_name_alone_says_that_nothing_else_passes(
-    urls: Callable[..., str], start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_an_allowed_name_alone_says_that_nothing_else_passes(urls, start, lcmtools_path):
     program = start(lcmtools_path, "relay", urls(), urls(), "--allow", "CMD")
     program.wait_for("only CMD can pass; --allow '**' passes the other topics, too")
 
 
-def test_one_way_lets_nothing_back(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+def test_one_way_lets_nothing_back(relay, urls, join, wait_until):
     one, other = urls(), urls()
     running = relay(one, other, Rules(one_way=True))
     here, there = join(one), join(other)
@@ -392,12 +333,8 @@ def test_one_way_lets_nothing_back(
 
 
 def test_a_latched_message_comes_to_who_is_late_on_the_other_bus(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    cli: Callable[..., Any],
-    start: Start,
-    lcmtools_path: str,
-) -> None:
+    relay, urls, cli, start, lcmtools_path
+):
     one, other = urls(), urls()
     words = ("pub", "--latch", "/map_name", "std_msgs/String", "data: hall", "--lcm-url", one)
     start(lcmtools_path, *words).wait_for("latching")
@@ -406,12 +343,7 @@ def test_a_latched_message_comes_to_who_is_late_on_the_other_bus(
     assert late.out == '"hall"\n---\n'
 
 
-def test_a_rate_keeps_some(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+def test_a_rate_keeps_some(relay, urls, join, wait_until):
     one, other = urls(), urls()
     relay(one, other, Rules(rates={"/fast": 0.01}))
     here, there = join(one), join(other)
@@ -424,12 +356,8 @@ def test_a_rate_keeps_some(
 
 
 def test_a_server_and_a_group_are_joined_without_an_echo(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    tcpq_server: Any,
-    join: Callable[[str], Bus],
-    wait_until: WaitUntil,
-) -> None:
+    relay, urls, tcpq_server, join, wait_until
+):
     one = urls()
     running = relay(one, tcpq_server.url)
     here, there = join(one), join(tcpq_server.url)
@@ -460,9 +388,7 @@ def test_a_server_and_a_group_are_joined_without_an_echo(
     assert len(texts) == 2
 
 
-def test_relays_are_shown_by_status(
-    relay: Callable[..., RunningRelay], urls: Callable[..., str], cli: Callable[..., Any]
-) -> None:
+def test_relays_are_shown_by_status(relay, urls, cli):
     one, other = urls(), urls()
     relay(one, other)
     relay(one, other)
@@ -481,13 +407,8 @@ def test_relays_are_shown_by_status(
 
 
 def test_two_groups_are_joined_by_zenoh_and_two_relays(
-    relay: Callable[..., RunningRelay],
-    urls: Callable[..., str],
-    join: Callable[[str], Bus],
-    cli: Callable[..., Any],
-    start_node: Callable[..., Any],
-    wait_until: WaitUntil,
-) -> None:
+    relay, urls, join, cli, start_node, wait_until
+):
     one, line, other = urls(), urls("zenoh://224.0.0.224:"), urls()
     start_node(Talker, url=one)
     running = [relay(one, line), relay(other, line), relay(line, other)]
@@ -512,9 +433,7 @@ def test_two_groups_are_joined_by_zenoh_and_two_relays(
     wait_until(lambda: cli(*get, env=env).out == "false\n")
 
 
-def test_a_relay_at_a_terminal_shows_what_it_carries(
-    urls: Callable[..., str], lcmtools_path: str, start_node: Callable[..., Any]
-) -> None:
+def test_a_relay_at_a_terminal_shows_what_it_carries(urls, lcmtools_path, start_node):
     one, other = urls(), urls()
     start_node(Talker, url=one)
     with closing(Typist(lcmtools_path, "relay", one, other)) as user:

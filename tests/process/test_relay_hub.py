@@ -5,9 +5,7 @@ import signal
 import socket
 import struct
 import threading
-from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Any
 
 import lcm
 import pytest
@@ -25,8 +23,6 @@ from lcmtools.wire.tcpq import (
     subscribe_frame,
 )
 
-WaitUntil = Callable[..., None]
-
 
 class _EndError(Exception):
     """The test is over."""
@@ -40,8 +36,8 @@ class RunningHub:
         said: What it has said.
     """
 
-    def __init__(self, port: int = 0) -> None:
-        self.said: list[str] = []
+    def __init__(self, port=0):
+        self.said = []
         self._hub = Hub(parse_url("tcpq://")._replace(port=port), self.said.append)
         self.url = f"tcpq://127.0.0.1:{self._hub.port}"
         self.counts = self._hub.counts
@@ -49,26 +45,26 @@ class RunningHub:
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
-    def connect(self) -> socket.socket:
+    def connect(self):
         """A client of bytes, before its greeting."""
         return socket.create_connection(("127.0.0.1", self._hub.port), timeout=40)
 
-    def end(self) -> None:
+    def end(self):
         """End it."""
         self._ends.set()
         self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self):
         with self._hub, pytest.raises(_EndError):
             serve(self._hub, self._check, lambda: None)
 
-    def _check(self, _counts: object) -> None:
+    def _check(self, _counts):
         if self._ends.is_set():
             raise _EndError
 
 
 @pytest.fixture
-def hub(monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningHub]:
+def hub(monkeypatch):
     """A server of this test's own, for which nothing is late, however busy the computer is."""
     monkeypatch.setattr("lcmtools.relay.hub.LATE", 3600.0)
     running = RunningHub()
@@ -79,39 +75,39 @@ def hub(monkeypatch: pytest.MonkeyPatch) -> Iterator[RunningHub]:
 class Client:
     """A plain LCM program's connection, with the messages of a pattern."""
 
-    def __init__(self, url: str, pattern: str) -> None:
-        self.heard: list[tuple[str, bytes]] = []
+    def __init__(self, url, pattern):
+        self.heard = []
         self.bus = lcm.LCM(url)
         self._subscription = self.bus.subscribe(pattern, self._hear)
         self._subscription.set_queue_capacity(0)
         self.ready()
 
-    def ready(self) -> None:
+    def ready(self):
         """Return when the server has its subscriptions."""
         mark = self.bus.subscribe("MARK", lambda *_: marks.append(1))
-        marks: list[int] = []
+        marks = []
         self.bus.publish("MARK", b"")
         while not marks:
             self.bus.handle_timeout(40_000)
         self.bus.unsubscribe(mark)
 
-    def _hear(self, channel: str, payload: bytes) -> None:
+    def _hear(self, channel, payload):
         if channel != "MARK" and not channel.startswith("/_lcmtools/"):
             self.heard.append((channel, payload))
 
-    def stop(self) -> None:
+    def stop(self):
         """Unsubscribe."""
         self.bus.unsubscribe(self._subscription)
         self.ready()
 
-    def hear(self, count: int) -> list[tuple[str, bytes]]:
+    def hear(self, count):
         """The messages, once there are so many."""
         while len(self.heard) < count:
             assert self.bus.handle_timeout(40_000), self.heard[-3:]
         return self.heard
 
 
-def test_plain_programs_get_what_their_patterns_match(hub: RunningHub) -> None:
+def test_plain_programs_get_what_their_patterns_match(hub):
     every, some, sender = (Client(hub.url, pattern) for pattern in (".*", "/a/[^/]*", "none"))
     for channel in ("/a/b", "/a/b/c", "B", "/a/end"):
         sender.bus.publish(channel, channel.encode())
@@ -120,7 +116,7 @@ def test_plain_programs_get_what_their_patterns_match(hub: RunningHub) -> None:
     assert every.hear(4) == [(channel, channel.encode()) for channel in wanted]
 
 
-def test_a_program_hears_itself_and_no_more_after_it_unsubscribes(hub: RunningHub) -> None:
+def test_a_program_hears_itself_and_no_more_after_it_unsubscribes(hub):
     client = Client(hub.url, "A")
     client.bus.publish("A", b"1")
     assert client.hear(1) == [("A", b"1")]
@@ -130,7 +126,7 @@ def test_a_program_hears_itself_and_no_more_after_it_unsubscribes(hub: RunningHu
     assert client.heard == [("A", b"1")]
 
 
-def test_large_messages_arrive_whole_and_in_order(hub: RunningHub) -> None:
+def test_large_messages_arrive_whole_and_in_order(hub):
     listener, sender = Client(hub.url, "A"), Client(hub.url, "none")
     sent = [bytes([number]) * size for number, size in enumerate((8_000_000, 1, 8_000_000, 0))]
     for payload in sent:
@@ -138,9 +134,7 @@ def test_large_messages_arrive_whole_and_in_order(hub: RunningHub) -> None:
     assert [payload for _, payload in listener.hear(4)] == sent
 
 
-def test_a_client_that_does_not_read_delays_nobody_and_gets_the_newest(
-    hub: RunningHub, wait_until: WaitUntil
-) -> None:
+def test_a_client_that_does_not_read_delays_nobody_and_gets_the_newest(hub, wait_until):
     with hub.connect() as slow:
         slow.sendall(CLIENT_GREETING + subscribe_frame("A"))
         quick, sender = Client(hub.url, "A"), Client(hub.url, "none")
@@ -156,9 +150,7 @@ def test_a_client_that_does_not_read_delays_nobody_and_gets_the_newest(
     assert_says(hub.said[1], f"lost {hub.counts.dropped} messages", "too slowly")
 
 
-def test_large_messages_come_on_a_second_connection_of_the_client(
-    hub: RunningHub, wait_until: WaitUntil
-) -> None:
+def test_large_messages_come_on_a_second_connection_of_the_client(hub, wait_until):
     first, second, sender = (hub.connect() for _ in range(3))
     with first, second, sender:
         first.sendall(CLIENT_GREETING + subscribe_frame(".*"))
@@ -170,7 +162,7 @@ def test_large_messages_come_on_a_second_connection_of_the_client(
         sender.sendall(CLIENT_GREETING)
         small, large = publish_frame("small", b"x"), publish_frame("large", bytes(5000))
 
-        def comes(frame: bytes, client: socket.socket) -> bool:
+        def comes(frame, client):
             sender.sendall(frame)
             with suppress(BlockingIOError):
                 return client.recv(1 << 20).startswith(frame[:20])
@@ -184,9 +176,7 @@ def test_large_messages_come_on_a_second_connection_of_the_client(
         wait_until(lambda: comes(large, first))
 
 
-def test_messages_that_waited_for_a_client_for_a_second_are_dropped(
-    hub: RunningHub, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_messages_that_waited_for_a_client_for_a_second_are_dropped(hub, wait_until, monkeypatch):
     monkeypatch.setattr("lcmtools.relay.hub.LATE", 1.0)
     with hub.connect() as slow:
         slow.sendall(CLIENT_GREETING + subscribe_frame("A"))
@@ -196,9 +186,9 @@ def test_messages_that_waited_for_a_client_for_a_second_are_dropped(
         wait_until(lambda: sender.bus.publish("A", b"") or hub.counts.dropped)
 
 
-def _frames(connection: socket.socket, last: int) -> list[int]:
+def _frames(connection, last):
     """The numbers at the beginning of the messages that come, up to one."""
-    found: list[int] = []
+    found = []
     with connection.makefile("rb") as stream:
         assert stream.read(8) == SERVER_GREETING
         while last not in found:
@@ -217,9 +207,7 @@ def _frames(connection: socket.socket, last: int) -> list[int]:
         (CLIENT_GREETING + struct.pack(">II", 1, 1 << 30), "it sent a name of 1073741824 bytes"),
     ],
 )
-def test_a_hostile_client_is_closed_with_one_line(
-    hub: RunningHub, data: bytes, reason: str
-) -> None:
+def test_a_hostile_client_is_closed_with_one_line(hub, data, reason):
     good = Client(hub.url, "A")
     for _ in range(3):
         with hub.connect() as hostile:
@@ -233,7 +221,7 @@ def test_a_hostile_client_is_closed_with_one_line(
     assert good.hear(1) == [("A", b"1")]
 
 
-def test_a_pattern_that_cannot_be_read_leaves_the_others(hub: RunningHub) -> None:
+def test_a_pattern_that_cannot_be_read_leaves_the_others(hub):
     with hub.connect() as client:
         client.sendall(CLIENT_GREETING + subscribe_frame("(?<=a)b") + subscribe_frame("A"))
         client.sendall(publish_frame("A", bytes(4)))
@@ -241,7 +229,7 @@ def test_a_pattern_that_cannot_be_read_leaves_the_others(hub: RunningHub) -> Non
     assert_says(hub.said[0], "receives nothing", "'(?<=a)b'", "not supported")
 
 
-def test_half_a_frame_and_a_sudden_end_harm_nobody(hub: RunningHub) -> None:
+def test_half_a_frame_and_a_sudden_end_harm_nobody(hub):
     good = Client(hub.url, "A")
     for data in (b"", CLIENT_GREETING[:3], CLIENT_GREETING + publish_frame("A", bytes(99))[:50]):
         broken = hub.connect()
@@ -252,14 +240,12 @@ def test_half_a_frame_and_a_sudden_end_harm_nobody(hub: RunningHub) -> None:
     assert good.hear(1) == [("A", b"1")]
 
 
-def test_a_taken_port_is_one_line(hub: RunningHub) -> None:
+def test_a_taken_port_is_one_line(hub):
     with raises_saying(BusError, "tcpq://127.0.0.1:", "Address already in use"):
         Hub(parse_url(hub.url), print)
 
 
-def test_nodes_and_commands_work_on_it(
-    hub: RunningHub, cli: Callable[..., Any], start_node: Callable[..., Any]
-) -> None:
+def test_nodes_and_commands_work_on_it(hub, cli, start_node):
     start_node(Talker, url=hub.url)
     env = {"LCM_DEFAULT_URL": hub.url}
     assert "/chatter" in cli("list", env=env).out
@@ -270,9 +256,7 @@ def test_nodes_and_commands_work_on_it(
     assert [one["node"] for one in json.loads(called.out)] == ["/talker"]
 
 
-def test_programs_connect_again_to_a_server_that_is_back(
-    start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_programs_connect_again_to_a_server_that_is_back(start, lcmtools_path):
     first = RunningHub()
     port = int(first.url.rpartition(":")[2])
     listener = start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=first.url)
@@ -293,9 +277,7 @@ def test_programs_connect_again_to_a_server_that_is_back(
             assert words not in node.output
 
 
-def test_the_command_says_what_it_opens_and_ends_by_ctrl_c(
-    start: Callable[..., Any], lcmtools_path: str
-) -> None:
+def test_the_command_says_what_it_opens_and_ends_by_ctrl_c(start, lcmtools_path):
     with socket.create_server(("127.0.0.1", 0)) as reserved:
         port = reserved.getsockname()[1]
     program = start(lcmtools_path, "relay", "--serve", f"tcpq://:{port}")

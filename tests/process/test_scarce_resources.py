@@ -3,13 +3,10 @@
 import errno
 import os
 import subprocess
-from collections.abc import Callable
 
 import pytest
 
 from lcmtools.cli.ending import explain
-
-Run = Callable[..., subprocess.CompletedProcess[str]]
 
 FEW = [
     OSError(errno.EMFILE, os.strerror(errno.EMFILE), "/dev/null"),
@@ -31,14 +28,12 @@ LITTLE = [
         (RuntimeError("can't start new thread"), "threads; end others; see ulimit -u and -v"),
     ],
 )
-def test_what_is_lacking_is_said_in_one_line(
-    error: Exception, what: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_lacking_is_said_in_one_line(error, what, capsys):
     assert explain(error, "lcmtools gui") == 1
     assert capsys.readouterr().err == f"lcmtools gui: the system gives no more {what}\n"
 
 
-def test_the_cause_of_an_error_counts(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_cause_of_an_error_counts(capsys):
     error = ValueError("no channel")
     error.__cause__ = MemoryError()
     explain(error, "lcmtools list")
@@ -46,9 +41,7 @@ def test_the_cause_of_an_error_counts(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 @pytest.mark.parametrize("descriptors", range(6, 11))
-def test_a_window_with_few_descriptors_says_so(
-    descriptors: int, bus_url: str, lcmtools_path: str
-) -> None:
+def test_a_window_with_few_descriptors_says_so(descriptors, bus_url, lcmtools_path):
     window = f"{lcmtools_path} gui all --no-open --port 0"
     result = subprocess.run(
         ["/bin/sh", "-c", f"ulimit -n {descriptors}; exec timeout --signal INT 4 {window}"],

@@ -1,18 +1,12 @@
 """``lcmtools sim``: what it says to a simulator, and what the simulator then does."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_line, assert_says
 
 pytest.importorskip("pybullet")
 
-Run = Callable[..., Result]
-Tell = Callable[..., str]
 
 WORLD = """\
 node: yard
@@ -23,9 +17,7 @@ robots:
 
 
 @pytest.fixture(scope="module")
-def _simulator(
-    module_start: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory, lcmtools_path: str
-) -> None:
+def _simulator(module_start, tmp_path_factory, lcmtools_path):
     """A paused simulator on the module's bus."""
     world = tmp_path_factory.mktemp("world") / "yard.yaml"
     world.write_text(WORLD)
@@ -34,11 +26,11 @@ def _simulator(
 
 @pytest.fixture(autouse=True)
 def _anew(
-    use_module_bus: None,  # noqa: ARG001 - before anything is asked
-    _simulator: None,
-    cli: Run,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    use_module_bus,  # noqa: ARG001 - before anything is asked
+    _simulator,
+    cli,
+    monkeypatch,
+):
     """Every test begins with the same paused world, at time 0."""
     monkeypatch.setenv("LCMTOOLS_COLOR", "never")
     for verb in ("pause", "reset"):
@@ -47,10 +39,10 @@ def _anew(
 
 
 @pytest.fixture
-def tell(cli: Run) -> Tell:
+def tell(cli):
     """Runs ``lcmtools sim ...``, which must work, and gives what it prints."""
 
-    def run(*arguments: str) -> str:
+    def run(*arguments):
         result = cli("sim", *arguments)
         assert (result.code, result.err) == (0, ""), arguments
         return result.out
@@ -58,20 +50,20 @@ def tell(cli: Run) -> Tell:
     return run
 
 
-def state(tell: Tell, robot: str) -> dict[str, Any]:
+def state(tell, robot):
     answer = json.loads(tell("state", robot, "--json"))
     assert isinstance(answer, dict)
     return answer
 
 
-def test_a_paused_simulator_does_the_requested_steps_and_no_more(tell: Tell) -> None:
+def test_a_paused_simulator_does_the_requested_steps_and_no_more(tell):
     assert tell("step") == "did 1 steps, now at 0.004167 s\n"
     assert tell("step", "239") == "did 239 steps, now at 1.000000 s\n"
     assert state(tell, "husky0")["time"] == 1_000_000_000
     assert state(tell, "husky0")["time"] == 1_000_000_000
 
 
-def test_pause_and_resume_say_what_was(tell: Tell, wait_until: Callable[..., None]) -> None:
+def test_pause_and_resume_say_what_was(tell, wait_until):
     assert tell("pause") == "was already paused\n"
     assert tell("resume") == "resumed\n"
     wait_until(lambda: state(tell, "husky0")["time"] > 100_000_000)
@@ -80,7 +72,7 @@ def test_pause_and_resume_say_what_was(tell: Tell, wait_until: Callable[..., Non
     assert state(tell, "husky0")["time"] == state(tell, "husky0")["time"]
 
 
-def test_a_robot_is_where_it_is_put(tell: Tell) -> None:
+def test_a_robot_is_where_it_is_put(tell):
     assert tell("set-pose", "husky0", "-3.5", "-2", "90deg") == "/husky0 was placed there\n"
 
     answer = state(tell, "/husky0")
@@ -91,16 +83,14 @@ def test_a_robot_is_where_it_is_put(tell: Tell) -> None:
     assert (turned["z"], turned["w"]) == pytest.approx((0.5**0.5, 0.5**0.5), abs=1e-4)
 
 
-def test_state_is_text_for_people_too(tell: Tell) -> None:
+def test_state_is_text_for_people_too(tell):
     text = tell("state", "dolly")
 
     assert 'model: "dolly"' in text
     assert "y: 4.0" in text
 
 
-def test_a_robot_comes_with_its_topics_and_goes_with_them(
-    tell: Tell, cli: Run, wait_until: Callable[..., None]
-) -> None:
+def test_a_robot_comes_with_its_topics_and_goes_with_them(tell, cli, wait_until):
     assert_line(tell("spawn", "pioneer", "p3dx", "-4", "-1"), "pioneer", "/p3dx", "added")
     wait_until(lambda: "/p3dx/RosAria/pose" in cli("list").out)
     tell("step", "24")
@@ -111,7 +101,7 @@ def test_a_robot_comes_with_its_topics_and_goes_with_them(
     assert cli("sim", "state", "p3dx").code == 1
 
 
-def test_reset_takes_away_what_has_come_and_brings_back_what_has_gone(tell: Tell) -> None:
+def test_reset_takes_away_what_has_come_and_brings_back_what_has_gone(tell):
     tell("delete", "dolly")
     tell("spawn", "husky", "husky7", "6", "6")
     tell("step", "10")
@@ -124,15 +114,13 @@ def test_reset_takes_away_what_has_come_and_brings_back_what_has_gone(tell: Tell
     assert state(tell, "dolly")["pose"]["position"]["y"] == pytest.approx(4.0)
 
 
-def test_a_rate_is_kept_until_another_one_is_set(tell: Tell) -> None:
+def test_a_rate_is_kept_until_another_one_is_set(tell):
     assert_line(tell("set-rate", "0"), "simulated time", "as fast as possible")
     assert_line(tell("set-rate", "0.5"), "simulated time", "0.5 times real time")
     assert_line(tell("set-rate", "1"), "simulated time", "1 times real time")
 
 
-def test_at_a_very_slow_rate_it_still_answers_and_speeds_up_again(
-    tell: Tell, wait_until: Callable[..., None]
-) -> None:
+def test_at_a_very_slow_rate_it_still_answers_and_speeds_up_again(tell, wait_until):
     tell("set-rate", "0.0001")
     tell("resume")
     first = state(tell, "husky0")["time"]
@@ -141,7 +129,7 @@ def test_at_a_very_slow_rate_it_still_answers_and_speeds_up_again(
     wait_until(lambda: state(tell, "husky0")["time"] > first + 100_000_000)
 
 
-def test_a_snapshot_is_a_png_file_and_none_is_overwritten(cli: Run, tmp_path: Path) -> None:
+def test_a_snapshot_is_a_png_file_and_none_is_overwritten(cli, tmp_path):
     file = tmp_path / "yard.png"
     result = cli("sim", "snapshot", str(file), "--width", "64", "--height", "48")
     assert (result.code, result.out) == (0, "")
@@ -179,16 +167,14 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(cli: Run, tmp_path: Pa
         (["snapshot", "x.png", "--width", "5000"], "a picture has 1 to 4096 columns and rows"),
     ],
 )
-def test_failures_are_one_line_and_exit_code_1(
-    cli: Run, arguments: list[str], complaint: str
-) -> None:
+def test_failures_are_one_line_and_exit_code_1(cli, arguments, complaint):
     result = cli("sim", *arguments)
 
     assert (result.code, result.out) == (1, "")
     assert result.err == f"lcmtools sim {arguments[0]}: /yard: {complaint}\n"
 
 
-def test_a_running_simulator_is_not_stepped(tell: Tell, cli: Run) -> None:
+def test_a_running_simulator_is_not_stepped(tell, cli):
     tell("resume")
     result = cli("sim", "step")
 
@@ -196,9 +182,7 @@ def test_a_running_simulator_is_not_stepped(tell: Tell, cli: Run) -> None:
     assert_line(result.err, "lcmtools sim step: /yard: ", "not paused; ", "pause")
 
 
-def test_another_node_is_no_simulator(
-    start: Callable[..., Any], cli: Run, lcmtools_path: str
-) -> None:
+def test_another_node_is_no_simulator(start, cli, lcmtools_path):
     start(lcmtools_path, "run", "talker").wait_for("hello")
 
     result = cli("sim", "pause", "--sim", "talker")
@@ -210,9 +194,7 @@ def test_another_node_is_no_simulator(
 
 @pytest.mark.parametrize("timeout", ["1.5", "2.5"])
 @pytest.mark.parametrize("command", ["echo", "hz", "bw", "delay"])
-def test_a_paused_simulator_is_the_reason_why_nothing_comes(
-    command: str, timeout: str, cli: Run
-) -> None:
+def test_a_paused_simulator_is_the_reason_why_nothing_comes(command, timeout, cli):
     result = cli(command, "/husky0/imu", "--timeout", timeout)
     assert result.code == 4
     assert "the simulator /yard is paused: lcmtools sim resume" in result.err

@@ -1,19 +1,15 @@
 """Several processes that simulate one world together: one leads the clock, the others go by it."""
 
 import sys
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 
 import lcmtools as library
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 
-Start = Callable[..., Any]
 FOLLOWER = "/husky2/ground_truth"
 
 
@@ -26,11 +22,11 @@ class Heard:
     ahead: list[int] = field(default_factory=list)
     x: list[float] = field(default_factory=list)
 
-    def hear_clock(self, message: Clock) -> None:
+    def hear_clock(self, message):
         """Note the leader's time."""
         self.clock.append(message.clock.sec * 10**9 + message.clock.nsec)
 
-    def hear_robot(self, message: Odometry) -> None:
+    def hear_robot(self, message):
         """Note the follower's time, and where its robot is."""
         stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nsec
         self.stamps.append(stamp)
@@ -38,7 +34,7 @@ class Heard:
 
 
 @pytest.fixture
-def node(bus_url: str) -> Iterator[library.Node]:
+def node(bus_url):
     library.init([], url=bus_url)
     with library.Node("test") as node:
         yield node
@@ -46,21 +42,16 @@ def node(bus_url: str) -> Iterator[library.Node]:
 
 
 def test_a_follower_steps_as_far_as_the_leader_and_restarts_with_it(
-    node: library.Node,
-    bus_url: str,
-    start: Start,
-    cli: Callable[..., Result],
-    wait_until: Callable[..., None],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    node, bus_url, start, cli, wait_until, monkeypatch
+):
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     heard = Heard()
     node.create_subscription(Clock, "/clock", heard.hear_clock, depth=1000)
     node.create_subscription(Odometry, FOLLOWER, heard.hear_robot, depth=1000)
     drive = node.create_publisher(Twist, "/husky2/cmd_vel")
 
-    def spin(condition: Callable[[], object]) -> None:
-        def turn() -> object:
+    def spin(condition):
+        def turn():
             library.spin_once(node, 0.05)
             return condition()
 

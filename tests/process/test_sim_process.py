@@ -4,20 +4,14 @@ import json
 import os
 import signal
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 
 pytestmark = pytest.mark.usefixtures("on_bus")
 
 pytest.importorskip("pybullet")
 
-Run = Callable[..., Result]
-Start = Callable[..., Any]
-WaitUntil = Callable[..., None]
 
 WORLD = """\
 node: yard
@@ -52,10 +46,10 @@ node = lcmtools.Node("both")
 
 
 @pytest.fixture
-def simulate(start: Start, lcmtools_path: str, tmp_path: Path) -> Start:
+def simulate(start, lcmtools_path, tmp_path):
     """Starts the simulator with a Pioneer whose camera is small."""
 
-    def run(*arguments: str) -> Any:
+    def run(*arguments):
         world = tmp_path / "yard.yaml"
         world.write_text(WORLD)
         program = start(lcmtools_path, "run", "sim", str(world), *arguments)
@@ -66,10 +60,10 @@ def simulate(start: Start, lcmtools_path: str, tmp_path: Path) -> Start:
 
 
 @pytest.fixture
-def published(cli: Run) -> Callable[[], dict[str, int]]:
+def published(cli):
     """The number of messages that the simulator has published on each topic."""
 
-    def count() -> dict[str, int]:
+    def count():
         (described,) = json.loads(cli("node", "info", "/yard", "--json").out)
         return {entry["topic"]: entry["messages"] for entry in described["publications"]}
 
@@ -77,12 +71,8 @@ def published(cli: Run) -> Callable[[], dict[str, int]]:
 
 
 def test_only_topics_with_subscribers_are_computed(
-    simulate: Start,
-    start: Start,
-    lcmtools_path: str,
-    published: Callable[[], dict[str, int]],
-    wait_until: WaitUntil,
-) -> None:
+    simulate, start, lcmtools_path, published, wait_until
+):
     simulate()
     wait_until(lambda: published()["/clock"] > 10)
     before = published()
@@ -96,14 +86,14 @@ def test_only_topics_with_subscribers_are_computed(
 
 
 def test_a_command_that_looks_counts_as_a_listener_as_long_as_it_looks(
-    simulate: Start, cli: Run, published: Callable[[], dict[str, int]], wait_until: WaitUntil
-) -> None:
+    simulate, cli, published, wait_until
+):
     simulate()
     result = cli("hz", DEPTH, "-n", "1")
     assert result.out.startswith("average rate: ")
     assert published()[DEPTH] > 5
 
-    def is_settled() -> bool:
+    def is_settled():
         """Return whether no image is computed while time passes."""
         before = published()
         wait_until(lambda: published()["/clock"] > before["/clock"] + 20)
@@ -116,12 +106,8 @@ def test_a_command_that_looks_counts_as_a_listener_as_long_as_it_looks(
     "program", [PLAIN_LISTENER, PLAIN_LISTENER_IN_A_NODE], ids=["no node", "a node besides"]
 )
 def test_for_a_plain_lcm_program_everything_is_computed(
-    simulate: Start,
-    start_python: Start,
-    published: Callable[[], dict[str, int]],
-    wait_until: WaitUntil,
-    program: str,
-) -> None:
+    simulate, start_python, published, wait_until, program
+):
     simulate()
     wait_until(lambda: published()["/clock"] > 10)
     plain = start_python(program)
@@ -136,8 +122,8 @@ def test_for_a_plain_lcm_program_everything_is_computed(
 
 
 def test_a_viewer_gets_the_world_at_once_and_a_new_one_when_a_robot_comes(
-    simulate: Start, start: Start, cli: Run, lcmtools_path: str
-) -> None:
+    simulate, start, cli, lcmtools_path
+):
     simulate()
     viewer = start(lcmtools_path, "echo", "/yard/world", "--field", "markers[1].ns")
     viewer.wait_for("ground")
@@ -152,13 +138,8 @@ def test_a_viewer_gets_the_world_at_once_and_a_new_one_when_a_robot_comes(
 
 @pytest.mark.parametrize("is_first", [True, False], ids=["before it", "after it"])
 def test_subscribers_receive_each_requested_step(
-    simulate: Start,
-    start_python: Start,
-    cli: Run,
-    published: Callable[[], dict[str, int]],
-    *,
-    is_first: bool,
-) -> None:
+    simulate, start_python, cli, published, *, is_first
+):
     if is_first:
         start_python(PLAIN_LISTENER).wait_for("listening")
     simulate("--paused")
@@ -171,7 +152,7 @@ def test_subscribers_receive_each_requested_step(
     assert (counted["/clock"], counted["/RosAria/pose"], counted[DEPTH]) == (70, 10, 30)
 
 
-def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
+def _stands_still(published):
     """Return whether no picture is published while the clock goes on."""
     first = published()
     if "/clock" not in first:  # the look was over before the simulator had answered
@@ -184,13 +165,8 @@ def _stands_still(published: Callable[[], dict[str, int]]) -> bool:
 
 @pytest.mark.parametrize("moment", ["at its start", "while it runs", "while it is paused"])
 def test_killed_at_any_moment_it_leaves_no_process_and_is_stale(
-    start: Start,
-    simulate: Start,
-    cli: Run,
-    lcmtools_path: str,
-    wait_until: WaitUntil,
-    moment: str,
-) -> None:
+    start, simulate, cli, lcmtools_path, wait_until, moment
+):
     if moment == "at its start":
         program = start(lcmtools_path, "run", "sim")
     else:
@@ -206,7 +182,7 @@ def test_killed_at_any_moment_it_leaves_no_process_and_is_stale(
         assert "ended without saying goodbye" in cli("wtf").out
 
 
-def _members(group: int) -> list[int]:
+def _members(group):
     """The processes of a group that still run."""
     found = []
     for entry in Path("/proc").iterdir():
@@ -220,15 +196,13 @@ def _members(group: int) -> list[int]:
     return found
 
 
-def test_it_ends_after_its_duration_as_fast_as_it_can(simulate: Start) -> None:
+def test_it_ends_after_its_duration_as_fast_as_it_can(simulate):
     program = simulate("--rate", "0", "--duration", "20")
 
     assert program.wait() == 0
 
 
-def test_stopped_for_a_while_it_says_so_and_does_not_race_afterwards(
-    simulate: Start, cli: Run
-) -> None:
+def test_stopped_for_a_while_it_says_so_and_does_not_race_afterwards(simulate, cli):
     program = simulate()
     begun = time.monotonic()
     before = _simulated(cli)
@@ -242,14 +216,14 @@ def test_stopped_for_a_while_it_says_so_and_does_not_race_afterwards(
     assert passed < real - 2.0
 
 
-def _simulated(cli: Run) -> float:
+def _simulated(cli):
     answer = json.loads(cli("sim", "state", "/", "--json").out)
     return float(answer["time"]) / 1e9
 
 
 def test_a_node_on_simulated_time_goes_and_stands_with_the_simulator(
-    simulate: Start, start: Start, cli: Run, lcmtools_path: str
-) -> None:
+    simulate, start, cli, lcmtools_path
+):
     simulate("--paused")
     talker = start(lcmtools_path, "run", "talker", "_use_sim_time:=true")
     # Ten messages a simulated second; while nobody steps, none comes.
@@ -269,5 +243,5 @@ def test_a_node_on_simulated_time_goes_and_stands_with_the_simulator(
         time.sleep(0.05)
 
 
-def _hellos(talker: Any) -> int:
+def _hellos(talker):
     return sum("hello" in line for line in talker.lines)

@@ -4,10 +4,7 @@ import signal
 import socket
 import sys
 import urllib.request
-from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
-from typing import Any
 from urllib.error import URLError
 from urllib.parse import urlsplit
 
@@ -18,7 +15,7 @@ pytest.importorskip("websockets")
 pytestmark = pytest.mark.usefixtures("quiet_network")  # of its usual port
 
 
-def is_there(address: str) -> bool:
+def is_there(address):
     """Return if a page is served."""
     with suppress(URLError, OSError), urllib.request.urlopen(address) as answer:  # noqa: S310
         return b"<title>lcmtools</title>" in answer.read()
@@ -28,13 +25,8 @@ def is_there(address: str) -> bool:
 @pytest.mark.parametrize("word", ["--view", "--gui"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_the_window_is_opened_and_ends_with_the_simulator(
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    wait_until: Callable[..., None],
-    word: str,
-    number: signal.Signals,
-) -> None:
+    start, lcmtools_path, bus_url, wait_until, word, number
+):
     simulator = start(lcmtools_path, "run", "sim", word, "--lcm-url", bus_url)
     address = simulator.wait_for("http://").split()[-1]
     assert is_there(address)
@@ -45,9 +37,7 @@ def test_the_window_is_opened_and_ends_with_the_simulator(
     wait_until(lambda: not is_there(address))
 
 
-def test_a_second_window_takes_the_next_free_port(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_a_second_window_takes_the_next_free_port(start, lcmtools_path, bus_url):
     words = ("run", "sim", "empty", "--view", "--lcm-url", bus_url)
     first = start(lcmtools_path, *words).wait_for("open http://")
     second = start(lcmtools_path, *words, "__name:=other").wait_for("open http://")
@@ -57,7 +47,7 @@ def test_a_second_window_takes_the_next_free_port(
 
 
 @pytest.fixture
-def browser(tmp_path: Path) -> Path:
+def browser(tmp_path):
     """A program that reads the page that it is asked to open, notes it, and ends with it."""
     program = tmp_path / "browser"
     program.write_text(
@@ -77,12 +67,8 @@ def browser(tmp_path: Path) -> Path:
 
 
 def test_lab_start_opens_the_world_where_there_is_a_display(
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    browser: Path,
-    wait_until: Callable[..., None],
-) -> None:
+    start, lcmtools_path, bus_url, browser, wait_until
+):
     words = ("lab", "start", "dolly", "--lcm-url", bus_url)
     lab = start(lcmtools_path, *words, DISPLAY=":0", BROWSER=f"{browser} %s")
     address = lab.wait_for("open http://").split()[1]
@@ -96,8 +82,8 @@ def test_lab_start_opens_the_world_where_there_is_a_display(
 
 
 def test_lab_start_says_how_to_open_the_world_where_there_is_no_display(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+    start, lcmtools_path, bus_url
+):
     lab = start(lcmtools_path, "lab", "start", "dolly", "--lcm-url", bus_url)
     address = lab.wait_for("open http://").split()[1]
     port = urlsplit(address).port
@@ -105,9 +91,7 @@ def test_lab_start_says_how_to_open_the_world_where_there_is_no_display(
     assert is_there(address)
 
 
-def test_lab_start_can_leave_the_world_closed(
-    start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_lab_start_can_leave_the_world_closed(start, lcmtools_path, bus_url):
     words = ("lab", "start", "dolly", "--no-view", "--duration", "1", "--lcm-url", bus_url)
     lab = start(lcmtools_path, *words)
     assert lab.wait() == 0
@@ -116,12 +100,8 @@ def test_lab_start_can_leave_the_world_closed(
 
 
 def test_without_the_extra_a_line_says_so_and_the_lab_goes_on(
-    start: Callable[..., Any],
-    lcmtools_path: str,
-    bus_url: str,
-    tmp_path: Path,
-    wait_until: Callable[..., None],
-) -> None:
+    start, lcmtools_path, bus_url, tmp_path, wait_until
+):
     (tmp_path / "websockets.py").write_text("raise ImportError('it is not installed')\n")
     words = ("lab", "start", "dolly", "--lcm-url", bus_url)
     lab = start(lcmtools_path, *words, PYTHONPATH=str(tmp_path))

@@ -7,14 +7,10 @@ import shutil
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line
-
-Run = Callable[..., Any]
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "plain_lcm"
 POSE = "package fleet;\nstruct Pose { geometry_msgs.Point at; Tag tag; }\n"
@@ -23,9 +19,7 @@ CALL = "package fleet;\nstruct Go_Request { double x; }\nstruct Go_Response { bo
 
 
 @pytest.fixture(autouse=True)
-def folder(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def folder(monkeypatch, tmp_path, tmp_path_factory):
     """A folder with types, on LCMTOOLS_TYPE_PATH."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
     for name, text in (("fleet/Pose.lcm", POSE), ("deep/er/Tag.lcm", TAG), ("Go.lcm", CALL)):
@@ -36,7 +30,7 @@ def folder(
     return tmp_path / "types"
 
 
-def test_every_command_for_types_knows_them(cli: Run) -> None:
+def test_every_command_for_types_knows_them(cli):
     assert "fleet/Pose" in cli("msg", "list").out.splitlines()
     assert cli("msg", "package", "fleet").out.count("\n") == 4
     shown = cli("msg", "show", "fleet.Pose").out
@@ -50,9 +44,7 @@ def test_every_command_for_types_knows_them(cli: Run) -> None:
     assert record["fingerprint"] == f"0x{number}"
 
 
-def test_they_are_published_and_seen(
-    start: Callable[..., Any], cli: Run, lcmtools_path: str, bus_url: str
-) -> None:
+def test_they_are_published_and_seen(start, cli, lcmtools_path, bus_url):
     at = ("--lcm-url", bus_url)
     echo = start(lcmtools_path, "echo", "/p", *at)
     value = "{at: [1, 2, 3], tag: {words: [a, b]}}"
@@ -65,9 +57,7 @@ def test_they_are_published_and_seen(
     pub.send_signal(2)
 
 
-def test_a_plain_program_is_known_by_its_fingerprint(
-    start_python: Callable[..., Any], cli: Run, bus_url: str, folder: Path
-) -> None:
+def test_a_plain_program_is_known_by_its_fingerprint(start_python, cli, bus_url, folder):
     made = cli("msg", "generate", "--lang", "python", str(folder.parent / "gen"), "fleet/Tag")
     assert made.code == 0
     source = (
@@ -81,7 +71,7 @@ def test_a_plain_program_is_known_by_its_fingerprint(
     assert heard.code == 0
 
 
-def test_scripts_get_them_by_name(folder: Path) -> None:
+def test_scripts_get_them_by_name(folder):
     source = "import lcmtools; print(lcmtools.message_class('fleet/Pose')().at.x)"
     done = subprocess.run(
         [sys.executable, "-c", source], capture_output=True, text=True, check=False, cwd=folder
@@ -89,9 +79,7 @@ def test_scripts_get_them_by_name(folder: Path) -> None:
     assert (done.stdout, done.stderr) == ("0.0\n", "")
 
 
-def test_commands_that_start_at_once_all_get_the_same(
-    start: Callable[..., Any], lcmtools_path: str, folder: Path
-) -> None:
+def test_commands_that_start_at_once_all_get_the_same(start, lcmtools_path, folder):
     """With enough files for the cache, which none of them finds."""
     for n in range(70):
         text = f"package fleet;\nstruct T{n} {{ Tag tag; double x[{n + 1}]; }}\n"
@@ -107,8 +95,8 @@ def test_commands_that_start_at_once_all_get_the_same(
 
 
 def test_types_of_an_installed_package_are_known_everywhere(
-    lcmtools_process: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    lcmtools_process, tmp_path, monkeypatch
+):
     site = tmp_path / "site"
     metadata = site / "lab_types-1.0.dist-info"
     metadata.mkdir(parents=True)
@@ -132,7 +120,7 @@ def test_types_of_an_installed_package_are_known_everywhere(
     assert shown.stdout.startswith("lab_types/Far far\n")
 
 
-def test_nothing_is_compiled_for_a_command_that_needs_no_type(cli: Run, bus_url: str) -> None:
+def test_nothing_is_compiled_for_a_command_that_needs_no_type(cli, bus_url):
     assert cli("list", "--lcm-url", bus_url).code == 0
     assert list(Path(os.environ["XDG_CACHE_HOME"]).iterdir()) == []
 
@@ -146,9 +134,7 @@ def test_nothing_is_compiled_for_a_command_that_needs_no_type(cli: Run, bus_url:
         ("python", "fleet/Pose.py"),
     ],
 )
-def test_code_is_written_with_what_types_are_made_of(
-    language: str, file: str, cli: Run, tmp_path: Path
-) -> None:
+def test_code_is_written_with_what_types_are_made_of(language, file, cli, tmp_path):
     target = tmp_path / "gen"
     for name in ("fleet/Pose", "fleet/Go_Request"):  # the second run keeps what the first made
         done = cli("msg", "generate", "--lang", language, str(target), name)
@@ -162,7 +148,7 @@ def test_code_is_written_with_what_types_are_made_of(
         assert "Go_Request" in (target / "fleet" / "__init__.py").read_text()
 
 
-def test_code_of_a_broken_file_is_not_begun(cli: Run, tmp_path: Path, folder: Path) -> None:
+def test_code_of_a_broken_file_is_not_begun(cli, tmp_path, folder):
     (folder / "fleet" / "Pose.lcm").write_text("package fleet;\nstruct Pose {\n Tag t }\n")
     done = cli("msg", "generate", "--lang", "c", str(tmp_path / "gen"), "fleet/Pose")
     assert (done.code, done.out) == (2, "")
@@ -171,7 +157,7 @@ def test_code_of_a_broken_file_is_not_begun(cli: Run, tmp_path: Path, folder: Pa
 
 
 @pytest.fixture(scope="module")
-def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def programs(tmp_path_factory):
     """The example's folder, built."""
     headers = Path(sysconfig.get_path("purelib")) / "include" / "lcm" / "lcm.h"
     missing = [tool for tool in ("make", "cc", "c++") if shutil.which(tool) is None]
@@ -196,9 +182,7 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_node_in_cpp_talks_with_lcmtools(
-    programs: Path, start: Callable[..., Any], cli: Run, bus_url: str
-) -> None:
+def test_node_in_cpp_talks_with_lcmtools(programs, start, cli, bus_url):
     start(str(programs / "talker"), LCM_DEFAULT_URL=bus_url).wait_for("hello world")
     at = ("--lcm-url", bus_url)
     heard = cli("echo", "-n", "1", "/chatter", *at).out
@@ -206,9 +190,7 @@ def test_node_in_cpp_talks_with_lcmtools(
     assert " * /chatter [std_msgs/String] 1 publisher\n" in cli("list", "-v", *at).out
 
 
-def test_node_in_c_hears_lcmtools(
-    programs: Path, start: Callable[..., Any], lcmtools_path: str, bus_url: str
-) -> None:
+def test_node_in_c_hears_lcmtools(programs, start, lcmtools_path, bus_url):
     listener = start(str(programs / "listener"), LCM_DEFAULT_URL=bus_url)
     listener.wait_for("listening")
     words = ("pub", "-r", "10", "/cmd_vel", "geometry_msgs/Twist", "{linear: [0.5, 0, 0]}")

@@ -1,6 +1,5 @@
 """The families of types beside this file, each as a user's own types."""
 
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -14,12 +13,10 @@ _HERE = Path(__file__).parent
 
 
 @pytest.fixture
-def family(
-    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Callable[[str], Path]]:
+def family(monkeypatch, tmp_path_factory):
     """``family("lengths")``: make a family's types those of the user; gives their folder."""
 
-    def provide(name: str) -> Path:
+    def provide(name):
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(_HERE / name))
         provide_user_types()
@@ -30,10 +27,10 @@ def family(
 
 
 @pytest.fixture
-def log_of(tmp_path: Path) -> Callable[..., str]:
+def log_of(tmp_path):
     """``log_of("POSE", payload, ...)``: the path of a log with messages on a channel, at 10 Hz."""
 
-    def make(channel: str, *payloads: bytes) -> str:
+    def make(channel, *payloads):
         path = tmp_path / f"{channel}.lcmlog"
         packets = (Packet(channel, one, 10**18 + 10**8 * n) for n, one in enumerate(payloads))
         path.write_bytes(b"".join(encode_event(n, one) for n, one in enumerate(packets)))

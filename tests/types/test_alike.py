@@ -1,9 +1,6 @@
 """Types with the same fields: the likeliest first, and marked as one of several everywhere."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -20,13 +17,11 @@ from lcmtools.observe.reports.bus_diagram import diagram_of
 from lcmtools.observe.reports.describe import topic_kinds, type_text, types_record
 from lcmtools.wire.packet import Sender
 
-Family = Callable[[str], Path]
-Cli = Callable[..., Any]
 POINTS = ["arm/point_t", "geometry_msgs/Vector3", "geometry_msgs/Point"]
 SENDER = Sender("10.0.0.1", 4000)
 
 
-def number(name: str) -> int:
+def number(name):
     return fingerprint(message_class(name))
 
 
@@ -57,20 +52,20 @@ def number(name: str) -> int:
     ],
 )
 def test_the_likeliest_type_of_a_channel_comes_first(
-    family: Family, name: str, channel: str, announced: tuple[str, ...], first: str, count: int
-) -> None:
+    family, name, channel, announced, first, count
+):
     family("alike")
     found = possible_types(number(name), channel, announced)
     assert (found[0], len(found)) == (first, count)
 
 
-def seen(*ends: Endpoint) -> Graph:
+def seen(*ends):
     node = Node("/n", "n", "h", 1, endpoints=ends)
     traffic = Traffic("A", SENDER, (number("arm/point_t"),), 1, 32, 0, 0)
     return Graph((node,) if ends else (), (traffic,))
 
 
-def test_what_is_uncertain_is_marked(family: Family) -> None:
+def test_what_is_uncertain_is_marked(family):
     family("alike")
     topic = seen().topic("A")
     assert type_text(topic) == "arm/point_t (one of 3)"
@@ -78,7 +73,7 @@ def test_what_is_uncertain_is_marked(family: Family) -> None:
     assert column_text(ChannelRow("A", tuple(POINTS), messages=1)) == "arm/point_t +2"
 
 
-def test_what_is_announced_is_not(family: Family) -> None:
+def test_what_is_announced_is_not(family):
     family("alike")
     end = Endpoint("A", Role.SUBSCRIBER, ("geometry_msgs/Point",), (number("arm/point_t"),))
     topic = seen(end).topic("A")
@@ -86,23 +81,19 @@ def test_what_is_announced_is_not(family: Family) -> None:
     assert types_record(topic_kinds(topic))["types"] == ["geometry_msgs/Point"]
 
 
-def test_a_node_whose_announcement_is_not_readable_has_the_types_of_its_messages(
-    family: Family,
-) -> None:
+def test_a_node_whose_announcement_is_not_readable_has_the_types_of_its_messages(family):
     family("alike")
     node = Node("/n", "n", "h", 1, sender=SENDER, has_details=False)
     node = _with_observed_topics(node, {SENDER: seen().traffic})
     assert " * A [arm/point_t (one of 3)]" in node_report.roles(node, show_hidden=False)
     record = node_report.record(node, Graph((node,)), 0)
-    (publication,) = record["publications"]  # type: ignore[misc] # a list
+    (publication,) = record["publications"]
     assert publication["types"] == POINTS
     (channel,) = diagram_of(Graph((node,), seen().traffic), (), None).channels
     assert (channel.type_text, channel.types) == ("arm/point_t (one of 3)", tuple(POINTS))
 
 
-def test_commands_mark_it_in_a_log(
-    family: Family, cli: Cli, log_of: Callable[..., str], tmp_path: Path
-) -> None:
+def test_commands_mark_it_in_a_log(family, cli, log_of, tmp_path):
     family("alike")
     log = log_of("A", encode(message_class("arm/point_t")()))
     assert cli("list", "-b", log, "-t").ok() == "A [arm/point_t (one of 3)]\n"
@@ -122,9 +113,7 @@ def test_commands_mark_it_in_a_log(
     assert (row["type"], row["types"]) == ("arm/point_t", POINTS)
 
 
-def test_an_mcap_file_has_it_beside_the_schema(
-    family: Family, cli: Cli, log_of: Callable[..., str], tmp_path: Path
-) -> None:
+def test_an_mcap_file_has_it_beside_the_schema(family, cli, log_of, tmp_path):
     reader = pytest.importorskip("mcap.reader")
     family("alike")
     log = log_of("A", encode(message_class("arm/point_t")()))
@@ -134,9 +123,7 @@ def test_an_mcap_file_has_it_beside_the_schema(
     assert channel.metadata == {"possible_types": ", ".join(POINTS)}
 
 
-def test_what_a_log_stored_counts_where_its_files_are_not_here(
-    family: Family, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_what_a_log_stored_counts_where_its_files_are_not_here(family, monkeypatch, tmp_path):
     from lcmtools.packages import provide_recorded_types, provide_user_types
     from lcmtools.wire.log_index import RecordedType
 

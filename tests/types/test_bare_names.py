@@ -1,9 +1,5 @@
 """Types without a package: their names in full mean them, whatever others end so."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from lcmtools import message_class
@@ -12,13 +8,11 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import candidates, fingerprint, means_type, type_name, type_names
 from lcmtools.messages.type_versions import other_version
 
-Family = Callable[[str], Path]
-Cli = Callable[..., Any]
 OWN = ("Image", "Joy", "Log", "Path", "Pose", "Time")
 
 
 @pytest.mark.parametrize("name", ["gain_t", *OWN])
-def test_a_name_in_full_means_the_type_without_a_package(family: Family, name: str) -> None:
+def test_a_name_in_full_means_the_type_without_a_package(family, name):
     family("bare")
     cls = message_class(name)
     assert type_name(cls) == name
@@ -35,12 +29,12 @@ def test_a_name_in_full_means_the_type_without_a_package(family: Family, name: s
         ("Twist", "geometry_msgs/Twist"),
     ],
 )
-def test_all_others_are_found_as_before(family: Family, written: str, name: str) -> None:
+def test_all_others_are_found_as_before(family, written, name):
     family("bare")
     assert type_name(message_class(written)) == name
 
 
-def test_what_goes_through_all_types_does_not_end_at_them(family: Family) -> None:
+def test_what_goes_through_all_types_does_not_end_at_them(family):
     family("bare")
     assert other_version(0x1234567812345678, type_names()) is None
     assert [type_name(message_class(name)) for name in type_names()] == type_names()
@@ -54,21 +48,19 @@ def test_what_goes_through_all_types_does_not_end_at_them(family: Family) -> Non
         *(("GAINS", False), ("/gain_t", False), ("legacy.p", False), ("gain_t.p", False)),
     ],
 )
-def test_a_type_is_told_from_a_second_topic(family: Family, word: str, is_type: bool) -> None:  # noqa: FBT001
+def test_a_type_is_told_from_a_second_topic(family, word, is_type):
     family("bare")
     assert means_type(word) is is_type
 
 
-def test_a_short_name_of_several_types_is_an_error(family: Family) -> None:
+def test_a_short_name_of_several_types_is_an_error(family):
     family("alike")
     with pytest.raises(UnknownType, match="several types are called 'Time'"):
         means_type("Time")
 
 
 @pytest.mark.parametrize("word", ["gain_t", "Pose"])
-def test_commands_take_the_name(
-    family: Family, cli: Cli, log_of: Callable[..., str], tmp_path: Path, word: str
-) -> None:
+def test_commands_take_the_name(family, cli, log_of, tmp_path, word):
     family("bare")
     log = log_of("A", encode(message_class(word)()))
     assert cli("type", "-b", log, "A").ok() == f"{word}\n"

@@ -1,17 +1,12 @@
 """Errors name the first cause: file, line, and the types that it costs, and blame no other file."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from lcmtools.messages.supply import set_supply
 from lcmtools.observe.reading.decoding import remedy_of_unknown
 from lcmtools.packages import provide_user_types
-
-Cli = Callable[..., Any]
 
 BROKEN = "package rover;\nstruct whale_t\n{\n  double length\n}\n"
 POD = "package rover;\nstruct pod_t { int32_t n; whale_t whales[n]; }\n"
@@ -23,13 +18,11 @@ NEEDS_WHALE = "package rover;\nstruct pod_t { whale_t whale; }\n"
 
 
 @pytest.fixture
-def types(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[dict[str, str]], Path]:
+def types(tmp_path, monkeypatch, tmp_path_factory):
     """``types({"a/b.lcm": text})``: makes the files of a user; gives their folder."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
 
-    def make(files: dict[str, str]) -> Path:
+    def make(files):
         for name, text in files.items():
             path = tmp_path / "lcmtypes" / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -101,15 +94,13 @@ def types(
         ),
     ],
 )
-def test_the_first_cause_is_named(
-    files: dict[str, str], asked: str, error: str, types: Callable[..., Path], cli: Cli
-) -> None:
+def test_the_first_cause_is_named(files, asked, error, types, cli):
     types(files)
     result = cli("msg", "show", asked)
     assert (result.out, result.err) == ("", f"lcmtools msg show: {error}\n")
 
 
-def test_a_dangling_link_costs_its_own_type_only(types: Callable[..., Path], cli: Cli) -> None:
+def test_a_dangling_link_costs_its_own_type_only(types, cli):
     folder = types({"rover/whale_t.lcm": WHALE})
     (folder / "rover" / "gone_t.lcm").symlink_to("nowhere")
     where = "lcmtypes/rover/gone_t.lcm: this link leads nowhere"
@@ -118,7 +109,7 @@ def test_a_dangling_link_costs_its_own_type_only(types: Callable[..., Path], cli
     assert "unknown type 'rover/other_t'" in cli("msg", "show", "rover/other_t").err
 
 
-def test_each_cause_is_listed_once(types: Callable[..., Path], cli: Cli) -> None:
+def test_each_cause_is_listed_once(types, cli):
     folder = types({"whale_t.lcm": BROKEN, "pod_t.lcm": POD, "sea_t.lcm": SEA, "ok.lcm": WHALE})
     (folder / "ok.lcm").write_text("package rover;\nstruct ok_t { int8_t a; }\n")
     result = cli("msg", "build", "--json")
@@ -128,14 +119,12 @@ def test_each_cause_is_listed_once(types: Callable[..., Path], cli: Cli) -> None
     assert problem["lost"] == ["rover/whale_t", "rover/pod_t", "sea/sea_t"]
 
 
-def test_another_file_with_the_type_makes_up_for_a_broken_one(
-    types: Callable[..., Path], cli: Cli
-) -> None:
+def test_another_file_with_the_type_makes_up_for_a_broken_one(types, cli):
     types({"a/whale_t.lcm": BROKEN, "b/whale_t.lcm": WHALE, "pod_t.lcm": POD})
     assert "float64 length" in cli("msg", "show", "rover/pod_t").out
 
 
-def test_no_file_is_blamed_for_an_unknown_fingerprint(types: Callable[..., Path]) -> None:
+def test_no_file_is_blamed_for_an_unknown_fingerprint(types):
     types({"whale_t.lcm": BROKEN})
     provide_user_types()
     try:
@@ -149,9 +138,7 @@ def test_no_file_is_blamed_for_an_unknown_fingerprint(types: Callable[..., Path]
 
 
 @pytest.mark.parametrize("name", ["build", "dist"])
-def test_folders_of_builds_are_searched_last(
-    name: str, types: Callable[..., Path], cli: Cli
-) -> None:
+def test_folders_of_builds_are_searched_last(name, types, cli):
     copy = WHALE.replace("length", "old_length")
     copies = {f"{name}/lib/msg/whale_t.lcm": copy, f"{name}/only_t.lcm": POD}
     types({**copies, "msg/whale_t.lcm": WHALE})
@@ -159,9 +146,7 @@ def test_folders_of_builds_are_searched_last(
     assert "float64 length" in cli("msg", "show", "rover/pod_t").out
 
 
-def test_a_tree_that_is_too_large_is_not_cut_in_silence(
-    types: Callable[..., Path], cli: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_tree_that_is_too_large_is_not_cut_in_silence(types, cli, monkeypatch):
     monkeypatch.setattr("lcmtools.packages.type_files._MOST_FOLDERS", 3)
     types({f"{n}/t{n}_t.lcm": f"struct t{n}_t {{ byte x; }}\n" for n in range(5)})
     result = cli("msg", "list")

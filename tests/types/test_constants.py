@@ -1,8 +1,5 @@
 """Constants are shown with the types that they are declared with."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from lcmtools import message_class
@@ -30,8 +27,6 @@ uint8 level"""
 
 
 @pytest.mark.parametrize(("name", "text"), [("mode_t", MODE), ("Level", LEVEL)])
-def test_constants_have_their_declared_types(
-    family: Callable[[str], Path], name: str, text: str
-) -> None:
+def test_constants_have_their_declared_types(family, name, text):
     family("constants")
     assert definition(message_class(f"constants/{name}")) == text

@@ -1,11 +1,7 @@
 """Types in packages within packages, and with names that formats of others use themselves."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import numpy as np  # noqa: F401 - it can be loaded once only, and commands forget modules
 import pytest
-from fixtures.command import Result
 
 from lcmtools.bag.ros_types import RosTypes, ros_name
 from lcmtools.errors import DecodeError
@@ -14,20 +10,12 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import message_class
 from lcmtools.types.std_msgs import String
 
-Family = Callable[[str], Path]
 ODD = ["acme.sense/ping", "acme/flat", "class.def/None", "class.def/list", "class.def/self"]
 
 
 @pytest.mark.parametrize("form", ["mcap", "mcap-ros1", "ros1", "ros2"])
 @pytest.mark.parametrize("name", ODD)
-def test_they_are_exported(
-    name: str,
-    form: str,
-    family: Family,
-    log_of: Callable[..., str],
-    cli: Callable[..., Result],
-    tmp_path: Path,
-) -> None:
+def test_they_are_exported(name, form, family, log_of, cli, tmp_path):
     family("dotted")
     log, out = log_of("ODD", encode(message_class(name)())), str(tmp_path / "out")
     result = cli("bag", "export", log, out, "--format", form)
@@ -36,7 +24,7 @@ def test_they_are_exported(
 
 
 @pytest.mark.parametrize("name", ODD)
-def test_foxglove_has_them(name: str, family: Family) -> None:
+def test_foxglove_has_them(name, family):
     family("dotted")
     cls = message_class(name)
     schemas, message = Schemas(), decode(cls, encode(cls()))
@@ -47,17 +35,15 @@ def test_foxglove_has_them(name: str, family: Family) -> None:
     assert schemas.read(type(message), ROS1, schemas.write(message)) == message
 
 
-def test_one_that_the_library_of_ros_cannot_read_does_not_cost_the_others(
-    family: Family, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_one_that_the_library_of_ros_cannot_read_does_not_cost_the_others(family, monkeypatch):
     family("dotted")
     types = RosTypes(2)
     register = types.store.register
 
-    def refuse(definitions: dict[str, object]) -> None:
+    def refuse(definitions):
         if "acme/msg/flat" in definitions:
             raise SyntaxError("invalid syntax")
-        register(definitions)  # type: ignore[arg-type] # as they were given
+        register(definitions)
 
     monkeypatch.setattr(types.store, "register", refuse)
     with pytest.raises(DecodeError, match="cannot read acme/msg/flat: invalid syntax"):

@@ -6,8 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import ModuleType
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -15,7 +13,7 @@ from hypothesis import strategies as st
 
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import fields, visible_fields
-from lcmtools.messages.registry import Message, Registry, fingerprint
+from lcmtools.messages.registry import Registry, fingerprint
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.lcm_parser import SyntaxFault, parse
 from lcmtools.packages.user_types import UserTypes
@@ -28,7 +26,7 @@ INTEGERS = ("int8_t", "int16_t", "int32_t", "int64_t")
 NAMES = ("a", "b1", "_c", "Size", "utime", "values", "x_y")
 
 
-def lcm_gen(folder: Path, text: str, *options: str) -> str:
+def lcm_gen(folder, text, *options):
     """Run lcm-gen on a text; return its error, "" for none."""
     (folder / "text.lcm").write_text(text)
     command = [find_lcm_gen(), "--python", "--ppath", str(folder), *options, "text.lcm"]
@@ -36,7 +34,7 @@ def lcm_gen(folder: Path, text: str, *options: str) -> str:
     return done.stdout + done.stderr if done.returncode else ""
 
 
-def fault(text: str) -> str:
+def fault(text):
     """What our parser says against a text; "" for nothing."""
     try:
         parse(text)
@@ -108,19 +106,19 @@ enum E { A(3) }
 
 
 @pytest.mark.parametrize("text", BOTH_REFUSE.splitlines())
-def test_what_lcm_gen_refuses_is_refused(text: str, tmp_path: Path) -> None:
+def test_what_lcm_gen_refuses_is_refused(text, tmp_path):
     assert fault(text)
     if text != "enum E { A=x }":  # of which lcm-gen makes 0
         assert lcm_gen(tmp_path, text)
 
 
 @pytest.mark.parametrize("text", WE_REFUSE.splitlines())
-def test_what_only_we_refuse_has_a_reason(text: str, tmp_path: Path) -> None:
+def test_what_only_we_refuse_has_a_reason(text, tmp_path):
     assert fault(text)
     assert not lcm_gen(tmp_path, text)
 
 
-def loaded(folder: Path, package: str) -> ModuleType:
+def loaded(folder, package):
     """Import the package that lcm-gen has written into a folder."""
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
@@ -132,7 +130,7 @@ def loaded(folder: Path, package: str) -> ModuleType:
             del sys.modules[name]
 
 
-def assert_same(folder: Path, text: str, package: str = "judged") -> None:
+def assert_same(folder, text, package="judged"):
     """Compare our classes of a text with those of lcm-gen: tables, fingerprints and bytes."""
     assert lcm_gen(folder, text) == ""
     theirs = loaded(folder, package)
@@ -140,8 +138,8 @@ def assert_same(folder: Path, text: str, package: str = "judged") -> None:
     known = Registry([], UserTypes(environment, [], FINGERPRINTS))
     assert not known.problems()
     for name in known.enum_names():
-        judge: Any = getattr(theirs, name.rpartition("/")[2])
-        ours: Any = known.enum_class(name)
+        judge = getattr(theirs, name.rpartition("/")[2])
+        ours = known.enum_class(name)
         assert ours.__hash_number__ == judge._get_hash_recursive([])
         members = {k: v for k, v in vars(judge).items() if type(v) is int}
         assert dict(ours.__members__) == members
@@ -150,7 +148,7 @@ def assert_same(folder: Path, text: str, package: str = "judged") -> None:
         compare(known.message_class(name), getattr(theirs, name.rpartition("/")[2]), package)
 
 
-def compare(ours: type[Message], theirs: Any, package: str) -> None:
+def compare(ours, theirs, package):
     own = f"{ours.__module__.partition('.')[0]}.{package}."
     assert ours.__slots__ == theirs.__slots__
     assert ours.__dimensions__ == theirs.__dimensions__
@@ -163,15 +161,15 @@ def compare(ours: type[Message], theirs: Any, package: str) -> None:
     payload = encode(sample(ours))
     assert theirs.decode(payload).encode() == payload
     assert encode(decode(ours, payload)) == payload
-    assert ours.decode(payload).encode() == payload  # type: ignore[attr-defined] # lcm-gen's
+    assert ours.decode(payload).encode() == payload
 
 
-def sample(cls: type[Message], depth: int = 0) -> Any:
+def sample(cls, depth=0):
     """A message with a value in each field."""
-    message: Any = cls()
+    message = cls()
     for number, field in enumerate(visible_fields(cls), 1):
         counts = [size if isinstance(size, int) else 2 * (depth < 3) for size in field.dimensions]
-        value: Any = {"bool": True, "string": "text"}.get(field.type, number)
+        value = {"bool": True, "string": "text"}.get(field.type, number)
         if field.message_class and 0 not in counts:  # a type holds itself in such arrays alone
             value = sample(field.message_class, depth + 1)
         for count in reversed(counts):
@@ -184,7 +182,7 @@ def sample(cls: type[Message], depth: int = 0) -> Any:
 
 
 @st.composite
-def texts(draw: st.DrawFn) -> str:
+def texts(draw):
     """The text of a package with enums and structs, of which each may contain those before."""
     lines, known = ["package judged; // a /* comment"], [*PRIMITIVES, "string"]
     for number in range(draw(st.integers(0, 2))):
@@ -203,7 +201,7 @@ def texts(draw: st.DrawFn) -> str:
 
 
 @st.composite
-def structs(draw: st.DrawFn, number: int, known: tuple[str, ...]) -> str:
+def structs(draw, number, known):
     names = draw(st.lists(st.sampled_from(NAMES), unique=True, min_size=1))
     sizes, lines = ["1", "3"], []
     if draw(st.booleans()):
@@ -224,19 +222,19 @@ def structs(draw: st.DrawFn, number: int, known: tuple[str, ...]) -> str:
 
 @settings(max_examples=25, deadline=None)
 @given(texts())
-def test_generated_types_are_the_same(text: str) -> None:
+def test_generated_types_are_the_same(text):
     with TemporaryDirectory() as folder:
         assert_same(Path(folder), text)
 
 
-def test_a_size_that_is_not_decimal_is_hashed_as_it_is_written(tmp_path: Path) -> None:
+def test_a_size_that_is_not_decimal_is_hashed_as_it_is_written(tmp_path):
     text = "package judged; struct A { const int8_t N=0x03; byte x[0x10], y[N]; }"
     assert lcm_gen(tmp_path, text) == ""
     assert f"{parse(text)[0].number:#x}" in (tmp_path / "judged" / "A.py").read_text()
     assert [field.sizes for field in parse(text)[0].fields] == [(16,), (3,)]
 
 
-def test_every_file_has_the_hashes_of_lcm_gens_c(tmp_path: Path) -> None:
+def test_every_file_has_the_hashes_of_lcm_gens_c(tmp_path):
     """Also of types that lcm-gen's Python cannot spell."""
     for number, file in enumerate(FILES):
         (folder := tmp_path / str(number)).mkdir()

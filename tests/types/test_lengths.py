@@ -1,9 +1,6 @@
 """Length fields: read like all others, set from the arrays, and accepted if they fit these."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,12 +15,10 @@ from lcmtools.messages.path import parse_path, select
 from lcmtools.messages.plain import to_json, to_plain
 from lcmtools.messages.text import format_message
 
-Family = Callable[[str], Path]
-Cli = Callable[..., Any]
 STATUS = "{joint_position: [1, 2], joint_name: [a, b], gain: [[1, 2, 3]], inner: {cols: 5}}"
 
 
-def drafted(text: str) -> Any:
+def drafted(text):
     cls = message_class("lengths/status_t")
     return decode(cls, encode(draft_from_values(cls, [text]).message))
 
@@ -32,7 +27,7 @@ def drafted(text: str) -> Any:
     ("path", "value"),
     [("num_joints", 2), ("rows", 1), ("cols", 3), ("inner.cols", 5), ("inner.rows", 0)],
 )
-def test_a_length_is_read_by_its_path_and_filtered(family: Family, path: str, value: int) -> None:
+def test_a_length_is_read_by_its_path_and_filtered(family, path, value):
     family("lengths")
     message = drafted(STATUS)
     assert select(message, parse_path(path)).value == value
@@ -54,7 +49,7 @@ def test_a_length_is_read_by_its_path_and_filtered(family: Family, path: str, va
         ("{cols: 4, gain: []}", {"rows": 0, "cols": 4}),
     ],
 )
-def test_lengths_that_fit_are_accepted(family: Family, text: str, lengths: dict[str, int]) -> None:
+def test_lengths_that_fit_are_accepted(family, text, lengths):
     family("lengths")
     message = drafted(text)
     assert {name: getattr(message, name) for name in lengths} == lengths
@@ -76,9 +71,7 @@ def test_lengths_that_fit_are_accepted(family: Family, text: str, lengths: dict[
         ("{inner: {depth: 1}}", "inner.depth: is 1, and the length of a row of cells is 0"),
     ],
 )
-def test_lengths_that_do_not_fit_are_refused_with_both_numbers(
-    family: Family, text: str, says: str
-) -> None:
+def test_lengths_that_do_not_fit_are_refused_with_both_numbers(family, text, says):
     family("lengths")
     with pytest.raises(ValueMismatch) as caught:
         drafted(text)
@@ -96,9 +89,7 @@ def test_lengths_that_do_not_fit_are_refused_with_both_numbers(
         ("{inner: {image: [[1, 2]], cells: [[{}], [{value: 3}]]}}", {}),
     ],
 )
-def test_nothing_is_lost_through_text_and_json(
-    family: Family, text: str, shown: dict[str, Any]
-) -> None:
+def test_nothing_is_lost_through_text_and_json(family, text, shown):
     family("lengths")
     message = drafted(text)
     plain = to_plain(message)
@@ -108,14 +99,14 @@ def test_nothing_is_lost_through_text_and_json(
         assert encode(drafted(written)) == encode(message)
 
 
-def test_the_careful_encoder_keeps_it_too(family: Family) -> None:
+def test_the_careful_encoder_keeps_it_too(family):
     family("lengths")
     message = drafted("{cols: 4}")
     message.ready = np.array([True]).reshape(())  # the fast encoder takes Python's booleans only
     assert decode(type(message), encode(message)).cols == 4
 
 
-def test_commands_read_lengths(family: Family, cli: Cli, log_of: Callable[..., str]) -> None:
+def test_commands_read_lengths(family, cli, log_of):
     family("lengths")
     log = log_of("STATUS", *(encode(drafted(text)) for text in (STATUS, "{cols: 4}")))
     assert cli("echo", "-b", log, "STATUS/num_joints").out == "2\n---\n0\n---\n"

@@ -1,9 +1,5 @@
 """Arrays in the messages of arrays, as columns of tables."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from lcmtools import message_class
@@ -11,7 +7,6 @@ from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.plain import to_plain
 
-Family = Callable[[str], Path]
 CONTACT = "{force: [1, 2, 3], points: [[1, 2, 3], [4, 5, 6]], raw: [1, 2], label: x}"
 GRID = "grid: [[{value: 1, on: true}, {corner: [1, 2]}]], words: [[a, b]]"
 EMPTY, ONE = "{}", f"{{bodies: [{{name: a, contacts: [{CONTACT}]}}], {GRID}}}"
@@ -20,7 +15,7 @@ ROWS = "{grid: [[{value: 1}], [{value: 2}]], words: [[a], [b]]}"
 NO_ROWS = "{cols: 4}"
 
 
-def part(plain: Any, path: str) -> Any:
+def part(plain, path):
     """The values of a column in a message: a list for each array on the way."""
     if isinstance(plain, list) and path:
         return [part(one, path) for one in plain]
@@ -41,13 +36,7 @@ def part(plain: Any, path: str) -> Any:
         [ROWS, RAGGED, ONE, ONE],
     ],
 )
-def test_parquet_has_lists_in_lists(
-    family: Family,
-    cli: Callable[..., Any],
-    log_of: Callable[..., str],
-    tmp_path: Path,
-    texts: list[str],
-) -> None:
+def test_parquet_has_lists_in_lists(family, cli, log_of, tmp_path, texts):
     from pyarrow import parquet
 
     family("nested_arrays")

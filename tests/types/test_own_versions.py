@@ -1,8 +1,5 @@
 """Unknown versions of the user's own types, as wtf recognizes them."""
 
-from collections.abc import Callable, Sequence
-from pathlib import Path
-
 import pytest
 from fixtures.judging import findings
 
@@ -13,14 +10,12 @@ from lcmtools.messages.fields import Field, fields
 from lcmtools.messages.type_versions import added_and_missing, fingerprint_of
 from lcmtools.wire.packet import Sender
 
-Family = Callable[[str], Path]
 
-
-def field(name: str, kind: str = "float64") -> Field:
+def field(name, kind="float64"):
     return Field(name, kind, None, (), is_length=False)
 
 
-def seen(parts: Sequence[Field], channel: str = "A") -> Traffic:
+def seen(parts, channel="A"):
     return Traffic(channel, Sender("10.0.0.1", 4000), (fingerprint_of(parts),), 5, 500, 0, 1)
 
 
@@ -31,12 +26,7 @@ def seen(parts: Sequence[Field], channel: str = "A") -> Traffic:
         ("near/status", lambda own: [*own, field("utime", "int64")], "with utime"),
     ],
 )
-def test_a_lost_or_added_field_of_an_own_type_is_a_warning(
-    family: Family,
-    channel: str,
-    edit: Callable[[tuple[Field, ...]], Sequence[Field]],
-    difference: str,
-) -> None:
+def test_a_lost_or_added_field_of_an_own_type_is_a_warning(family, channel, edit, difference):
     family("near")
     parts = edit(fields(message_class("near/status_t")))
     found = findings(traffic=[seen(parts, channel)])["unknown-type"]
@@ -44,7 +34,7 @@ def test_a_lost_or_added_field_of_an_own_type_is_a_warning(
     assert f"like near/status_t, but {difference}" in found.items[0], "not geometry_msgs/Vector3"
 
 
-def test_a_channel_that_is_named_in_the_code_is_not_remapped() -> None:
+def test_a_channel_that_is_named_in_the_code_is_not_remapped():
     string = message_class("std_msgs/String")
     number = fingerprint_of(fields(string))
     end = Endpoint("POSE", Role.PUBLISHER, ("std_msgs/String",), (number,))
@@ -54,7 +44,7 @@ def test_a_channel_that_is_named_in_the_code_is_not_remapped() -> None:
     assert not any(":=" in remedy for remedy in found.remedies), found.remedies
 
 
-def test_lcms_own_channel_needs_no_type() -> None:
+def test_lcms_own_channel_needs_no_type():
     test = Traffic("LCM_SELF_TEST", Sender("10.0.0.1", 4000), (0x6C636D2073656C66,), 1, 13, 0, 0)
     other = test._replace(sender=Sender("10.0.0.1", 4001), fingerprints=(5,))
     assert not {"unknown-type", "type-mismatch"} & findings(traffic=[test, other]).keys()
@@ -73,12 +63,8 @@ def test_lcms_own_channel_needs_no_type() -> None:
     ],
 )
 def test_the_fields_in_which_two_versions_differ_are_named(
-    family: Family,
-    tmp_path: Path,
-    older: str,
-    newer: str,
-    differing: tuple[list[str], list[str]],
-) -> None:
+    family, tmp_path, older, newer, differing
+):
     inner = "struct inner_t { double x; }"
     for name, body in (("older", older), ("newer", newer)):
         (tmp_path / f"{name}.lcm").write_text(f"package v; struct {name}_t {{ {body} }}")
@@ -88,7 +74,7 @@ def test_the_fields_in_which_two_versions_differ_are_named(
     assert added_and_missing(one, other) == differing
 
 
-def test_of_a_nested_type_the_field_within_is_named(family: Family, tmp_path: Path) -> None:
+def test_of_a_nested_type_the_field_within_is_named(family, tmp_path):
     for name, body in (("old", "double x;"), ("new", "double x; double y;")):
         structs = f"struct in_t {{ {body} }} struct out_t {{ int8_t id; in_t inner; }}"
         (tmp_path / f"{name}.lcm").write_text(f"package {name}; {structs}")

@@ -1,9 +1,5 @@
 """Times of messages in fields of numbers: utime, timestamp and the like."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from lcmtools import message_class
@@ -13,12 +9,11 @@ from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.message_time import MessageTime, message_time
 from lcmtools.wire.packet import Packet
 
-Family = Callable[[str], Path]
 NOW = 1_795_244_479_123_456_789
 MICRO, MILLI = NOW // 10**3, NOW // 10**6
 
 
-def drafted(name: str, text: str) -> Any:
+def drafted(name, text):
     return draft_from_values(message_class(f"times/{name}"), [text]).message
 
 
@@ -49,29 +44,25 @@ def drafted(name: str, text: str) -> Any:
         ),
     ],
 )
-def test_a_number_is_a_time_where_its_unit_makes_it_one(
-    family: Family, name: str, text: str, field: str, unit: str, time: int
-) -> None:
+def test_a_number_is_a_time_where_its_unit_makes_it_one(family, name, text, field, unit, time):
     family("times")
     found = message_time(drafted(name, text))
     assert found
     assert (found.field, found.unit, found.time) == (field, unit, time)
 
 
-def test_other_numbers_are_no_times(family: Family) -> None:
+def test_other_numbers_are_no_times(family):
     family("times")
     assert message_time(drafted("no_time_t", f"count: {NOW}")) is None
 
 
-def test_the_unit_is_told_except_the_usual_one() -> None:
+def test_the_unit_is_told_except_the_usual_one():
     assert str(MessageTime("utime", 1, 1000, "microseconds")) == "utime"
     assert str(MessageTime("t", 1, 10**6, "milliseconds")) == "t (milliseconds)"
     assert str(MessageTime("header.stamp", 1, 1)) == "header.stamp"
 
 
-def test_delay_says_by_which_field_it_is_measured(
-    family: Family, cli: Callable[..., Any], log_of: Callable[..., str]
-) -> None:
+def test_delay_says_by_which_field_it_is_measured(family, cli, log_of):
     family("times")
     times = [(10**18 + 10**8 * n) // 10**6 - 20 for n in range(3)]  # 20 ms before they arrive
     payloads = [encode(drafted("timestamp_t", f"timestamp: {time}")) for time in times]
@@ -80,9 +71,7 @@ def test_delay_says_by_which_field_it_is_measured(
     assert "average delay: 0.020" in result.out
 
 
-def test_delay_says_what_is_not_a_time(
-    family: Family, cli: Callable[..., Any], log_of: Callable[..., str]
-) -> None:
+def test_delay_says_what_is_not_a_time(family, cli, log_of):
     family("times")
     log = log_of("POSE", *[encode(drafted("timestamp_t", "timestamp: 12"))] * 2)
     result = cli("delay", "-b", log, "POSE")
@@ -98,9 +87,7 @@ def test_delay_says_what_is_not_a_time(
         (-7200, False, []),  # of a message that is sent again and again
     ],
 )
-def test_wtf_checks_it(
-    family: Family, offset: int, found: list[tuple[str, str]], *, advances: bool
-) -> None:
+def test_wtf_checks_it(family, offset, found, *, advances):
     family("times")
     listening = Listening(lambda _: ("times/timestamp_t",))
     for second in range(3):

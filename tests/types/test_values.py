@@ -4,9 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,18 +16,17 @@ from lcmtools.messages.fields import fields, visible_fields
 from lcmtools.messages.registry import default_registry, fingerprint, message_class
 from lcmtools.packages.type_classes import OwnMessage, find_class
 
-Family = Callable[[str], Path]
 HERE = Path(__file__).parent
 FAMILIES = sorted({path.relative_to(HERE).parts[0] for path in HERE.rglob("*.lcm")})
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_every_type_of_a_family_is_a_value(name: str, family: Family) -> None:
+def test_every_type_of_a_family_is_a_value(name, family):
     family(name)
     names = list(default_registry().files())
     assert names
     for cls in map(message_class, names):
-        message: Any = cls()
+        message = cls()
         assert isinstance(message, OwnMessage)
         assert message == cls() == decode(cls, encode(message)) == copy.deepcopy(message)
         assert repr(message).startswith(f"{cls.__name__}(")
@@ -45,12 +42,12 @@ def test_every_type_of_a_family_is_a_value(name: str, family: Family) -> None:
             cls(no_such_field=1)
 
 
-def test_enums_are_compared_shown_and_copied(family: Family) -> None:
+def test_enums_are_compared_shown_and_copied(family):
     family("enums")
-    cls: Any = message_class("rover/state_t")
+    cls = message_class("rover/state_t")
     field = next(field.attribute for field in fields(cls) if field.name == "mode")
     message = cls(**{field: "RUN"})
-    received: Any = decode(cls, encode(message))
+    received = decode(cls, encode(message))
     assert received == message
     assert received != cls()
     assert f"{field}=RUN" in repr(received)
@@ -61,9 +58,9 @@ def test_enums_are_compared_shown_and_copied(family: Family) -> None:
     assert lcmtools.from_dict(cls, lcmtools.to_dict(received)) == received
 
 
-def test_a_pickle_of_a_type_that_has_changed_is_refused(family: Family) -> None:
+def test_a_pickle_of_a_type_that_has_changed_is_refused(family):
     family("enums")
-    cls: Any = message_class("rover/state_t")
+    cls = message_class("rover/state_t")
     assert find_class("rover/state_t", fingerprint(cls), "") is cls
     with pytest.raises(UnknownType, match="rover/state_t has changed since it was pickled"):
         find_class("rover/state_t", 1, "")
@@ -103,9 +100,7 @@ struct Sighting { string what; int32_t count; string tags[count]; survey.mode_t 
 """
 
 
-def test_messages_pass_to_a_spawned_process_and_back(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_messages_pass_to_a_spawned_process_and_back(tmp_path, monkeypatch):
     package = tmp_path / "work" / "survey"
     (package / "survey" / "msg").mkdir(parents=True)
     (package / "pyproject.toml").write_text('[project]\nname = "survey"\n[tool.lcmtools]\n')

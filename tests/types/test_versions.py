@@ -1,9 +1,6 @@
 """Types with the same name in several folders: each is known by its fingerprint."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -26,16 +23,14 @@ from lcmtools.packages import provide_recorded_types, provide_user_types
 from lcmtools.wire.log_index import LogIndex, index_line, parse_index, type_line
 from lcmtools.wire.packet import Packet
 
-Family = Callable[[str], Path]
-Cli = Callable[..., Any]
 OLD = ("rover/state_t", "rover/pose_t", "rover/mode_t")
 
 
-def old(name: str) -> Any:
+def old(name):
     return message_class(f"{name}@old/{name.rpartition('/')[2]}.lcm")
 
 
-def test_every_struct_is_known_by_its_fingerprint(family: Family) -> None:
+def test_every_struct_is_known_by_its_fingerprint(family):
     family("versions")
     for name in OLD:
         new = message_class(name)
@@ -49,7 +44,7 @@ def test_every_struct_is_known_by_its_fingerprint(family: Family) -> None:
             assert cls in set(default_registry().message_classes(type_names()))
 
 
-def test_a_version_is_made_of_the_types_beside_it(family: Family) -> None:
+def test_a_version_is_made_of_the_types_beside_it(family):
     family("versions")
     assert fields(old("rover/state_t"))[0].message_class is old("rover/pose_t")
     trail = message_class("rover/trail_t")  # which only the old folder has
@@ -65,16 +60,14 @@ def test_a_version_is_made_of_the_types_beside_it(family: Family) -> None:
         ("0xe77dcbf86d862546", 2),
     ],
 )
-def test_the_choice_is_written_behind_the_name(family: Family, version: str, slots: int) -> None:
+def test_the_choice_is_written_behind_the_name(family, version, slots):
     family("versions")
     for name in ("rover/state_t", "rover.state_t", "state_t"):
         assert len(message_class(f"{name}@{version}").__slots__) == slots
 
 
 @pytest.mark.parametrize("version", ["state_t.lcm", "older/state_t.lcm", "0x1", "lcmtools"])
-def test_a_version_that_is_unknown_or_not_the_only_one_names_the_choice(
-    family: Family, version: str
-) -> None:
+def test_a_version_that_is_unknown_or_not_the_only_one_names_the_choice(family, version):
     family("versions")
     names = "rover/state_t@new/state_t.lcm or rover/state_t@old/state_t.lcm"
     with pytest.raises(
@@ -83,9 +76,7 @@ def test_a_version_that_is_unknown_or_not_the_only_one_names_the_choice(
         message_class(f"rover/state_t@{version}")
 
 
-def test_the_name_alone_means_the_first_and_a_line_says_so(
-    family: Family, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_the_name_alone_means_the_first_and_a_line_says_so(family, caplog):
     family("versions")
     message_class("rover/state_t", fingerprint(old("rover/state_t")))
     assert not caplog.messages, "nothing was left open"
@@ -95,9 +86,7 @@ def test_the_name_alone_means_the_first_and_a_line_says_so(
     )
 
 
-def test_lcmtools_own_type_is_a_version_too(
-    monkeypatch: pytest.MonkeyPatch, family: Family, tmp_path: Path
-) -> None:
+def test_lcmtools_own_type_is_a_version_too(monkeypatch, family, tmp_path):
     family("versions")
     shipped = message_class("std_msgs/String")
     (tmp_path / "s.lcm").write_text("package std_msgs;\nstruct String { string text; }\n")
@@ -108,9 +97,7 @@ def test_lcmtools_own_type_is_a_version_too(
     assert versioned("std_msgs/String", fingerprint(shipped)) == "std_msgs/String@lcmtools"
 
 
-def test_a_broken_file_does_not_hide_a_type_with_another_fingerprint(
-    monkeypatch: pytest.MonkeyPatch, family: Family, tmp_path: Path
-) -> None:
+def test_a_broken_file_does_not_hide_a_type_with_another_fingerprint(monkeypatch, family, tmp_path):
     family("versions")
     number = fingerprint(message_class("std_msgs/String"))
     (tmp_path / "std_msgs").mkdir()
@@ -120,7 +107,7 @@ def test_a_broken_file_does_not_hide_a_type_with_another_fingerprint(
     assert message_class("std_msgs/String", number).__slots__ == ["data"]
 
 
-def test_a_log_with_both_decodes(family: Family, cli: Cli, log_of: Callable[..., str]) -> None:
+def test_a_log_with_both_decodes(family, cli, log_of):
     family("versions")
     log = log_of("STATE", encode(message_class("rover/state_t")()), encode(old("rover/state_t")()))
     shown = cli("echo", "-b", log, "STATE", "--flow-style").ok().splitlines()[::2]
@@ -140,7 +127,7 @@ def test_a_log_with_both_decodes(family: Family, cli: Cli, log_of: Callable[...,
     )
 
 
-def test_a_log_keeps_both_for_a_computer_without_their_files(family: Family) -> None:
+def test_a_log_keeps_both_for_a_computer_without_their_files(family):
     family("versions")
     classes = [message_class("rover/state_t"), old("rover/state_t"), message_class("rover/trail_t")]
     packets = [Packet("A", encode(cls()), 0) for cls in classes]
@@ -156,7 +143,7 @@ def test_a_log_keeps_both_for_a_computer_without_their_files(family: Family) -> 
         assert (type_name(found), fingerprint(type(found))) == (type_name(cls), fingerprint(cls))
 
 
-def test_wtf_says_how_versions_differ(family: Family) -> None:
+def test_wtf_says_how_versions_differ(family):
     from fixtures.judging import findings
 
     from lcmtools.graph.model import Traffic
@@ -201,9 +188,7 @@ STATE = "struct state_t { pose_t pose; }"
         ("c.lcm", "int16"),
     ],
 )
-def test_a_field_has_the_version_nearest_to_its_file(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, file: str, kind: str
-) -> None:
+def test_a_field_has_the_version_nearest_to_its_file(monkeypatch, tmp_path, file, kind):
     for name, text in ({file: STATE} | POSES).items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(f"package rover;\n{text}\n")
@@ -217,9 +202,7 @@ def test_a_field_has_the_version_nearest_to_its_file(
     assert fields(pose)[0].type == kind
 
 
-def test_equal_types_of_several_files_are_one(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_equal_types_of_several_files_are_one(monkeypatch, tmp_path):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "x.lcm").write_text(f"package rover;\n{POSES['c.lcm']}\n")
@@ -232,7 +215,7 @@ def test_equal_types_of_several_files_are_one(
     assert fields(state)[0].message_class is message_class("rover/pose_t")
 
 
-def test_json_of_both_names_both(family: Family, cli: Cli, log_of: Callable[..., str]) -> None:
+def test_json_of_both_names_both(family, cli, log_of):
     family("versions")
     log = log_of("STATE", encode(old("rover/state_t")()))
     (row,) = json.loads(cli("list", "-b", log, "--json").ok())
@@ -240,9 +223,7 @@ def test_json_of_both_names_both(family: Family, cli: Cli, log_of: Callable[...,
     assert row["other_senders"] == [None]
 
 
-def test_a_log_keeps_enums_that_have_files_of_their_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, family: Family
-) -> None:
+def test_a_log_keeps_enums_that_have_files_of_their_own(tmp_path, monkeypatch, family):
     for name, text in (
         ("mode_t.lcm", "enum mode_t { IDLE=0, RUN=1 }"),
         ("state_t.lcm", "struct state_t { mode_t mode; }"),

@@ -2,9 +2,6 @@
 
 import re
 import subprocess
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any, cast
 
 import pytest
 
@@ -16,12 +13,11 @@ from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.path import parse_path, select
 from lcmtools.messages.plain import to_json, to_plain
 from lcmtools.messages.python_names import python_name
-from lcmtools.messages.registry import Message, fingerprint, service_class, type_name
+from lcmtools.messages.registry import fingerprint, service_class, type_name
 from lcmtools.messages.text import format_message
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.packages.user_types import package_messages
 
-Family = Callable[[str], Path]
 TYPES = ("lambda/pass", "lambda/global", "def/class", "from", "global/Query")
 VALUES = (
     "{from: 7, lambda: [[1, 2], [3, 4]], g: {a: 1, c: [{import: 5, __x: 6, get_hash: 8}, {}]},"
@@ -43,25 +39,25 @@ VALUES = (
         ("__slots__", "__slots___"),
     ],
 )
-def test_python_has_names_of_its_own_where_it_must(name: str, spelled: str) -> None:
+def test_python_has_names_of_its_own_where_it_must(name, spelled):
     assert python_name(name) == spelled
 
 
-def test_another_field_has_its_python_name_first(family: Family) -> None:
+def test_another_field_has_its_python_name_first(family):
     family("words")
     cls = message_class("lambda/pass")
     names = {field.name: field.attribute for field in fields(cls)}
     assert (names["in"], names["in_"], names["encode"]) == ("in__", "in_", "encode_")
 
 
-def test_types_are_called_by_their_own_names(family: Family) -> None:
+def test_types_are_called_by_their_own_names(family):
     family("words")
     assert [type_name(message_class(name)) for name in TYPES] == list(TYPES)
 
 
-def test_fingerprints_are_those_of_lcm_gens_c(family: Family, tmp_path: Path) -> None:
+def test_fingerprints_are_those_of_lcm_gens_c(family, tmp_path):
     folder = family("words")
-    own: dict[str, int] = {}
+    own = {}
     for file in folder.glob("*.lcm"):
         program = [find_lcm_gen(), "--c", "--c-cpath", tmp_path, "--c-hpath", tmp_path, file]
         subprocess.run(program, check=True)
@@ -69,7 +65,7 @@ def test_fingerprints_are_those_of_lcm_gens_c(family: Family, tmp_path: Path) ->
         hashed = re.search(r"= \(uint64_t\)(0x\w+?)LL", code.read_text())
         own[code.stem] = int(hashed[1], 16) if hashed else 0
 
-    def rotated(base: int, *nested: int) -> int:
+    def rotated(base, *nested):
         total = (base + sum(nested)) % 2**64
         return (total << 1) % 2**64 + (total >> 63)
 
@@ -81,10 +77,10 @@ def test_fingerprints_are_those_of_lcm_gens_c(family: Family, tmp_path: Path) ->
     assert {name: fingerprint(message_class(name)) for name in expected} == expected
 
 
-def test_values_go_in_and_come_out_under_their_own_names(family: Family) -> None:
+def test_values_go_in_and_come_out_under_their_own_names(family):
     family("words")
     cls = message_class("lambda/pass")
-    message: Any = draft_from_values(cls, [VALUES]).message
+    message = draft_from_values(cls, [VALUES]).message
     assert (message.from_, message.in_, message.in__, message.decode_) == (7, 1, True, "word")
     payload = encode(message)
     again = decode(cls, payload)
@@ -97,16 +93,16 @@ def test_values_go_in_and_come_out_under_their_own_names(family: Family) -> None
     assert again.encode() == payload, "lcm-gen's own code writes the same"
 
 
-def test_constants_have_their_own_names(family: Family) -> None:
+def test_constants_have_their_own_names(family):
     family("words")
     assert constants(message_class("lambda/pass")) == {"def": 3, "None": 4, "is": 2.5}
     assert constants(message_class("global/Query")) == {"pass": "word"}
 
 
 @pytest.mark.parametrize("path", ["from", "from_", "/from", ".from"])
-def test_a_path_takes_the_own_name_and_the_one_in_python(family: Family, path: str) -> None:
+def test_a_path_takes_the_own_name_and_the_one_in_python(family, path):
     family("words")
-    message: Any = message_class("lambda/pass")()
+    message = message_class("lambda/pass")()
     message.from_ = 5
     assert select(message, parse_path(path)).value == 5
 
@@ -125,22 +121,20 @@ def test_a_path_takes_the_own_name_and_the_one_in_python(family: Family, path: s
         ("m.from_ == m.from", True),
     ],
 )
-def test_filters_take_the_own_names(family: Family, text: str, matches: bool) -> None:  # noqa: FBT001
+def test_filters_take_the_own_names(family, text, matches):
     family("words")
     message = draft_from_values(message_class("lambda/pass"), [VALUES]).message
     payload = encode(message)
     assert Filter(text).matches(decode(message_class("lambda/pass"), payload)) is matches
 
 
-def test_services_are_found(family: Family) -> None:
+def test_services_are_found(family):
     family("words")
     assert service_class("lambda/while").Request.__slots__ == ["x"]
     assert type_name(service_class("lambda/return").Response) == "lambda/return_Response"
 
 
-def test_commands_show_and_export_them(
-    family: Family, cli: Callable[..., Any], log_of: Callable[..., str], tmp_path: Path
-) -> None:
+def test_commands_show_and_export_them(family, cli, log_of, tmp_path):
     family("words")
     message = draft_from_values(message_class("lambda/pass"), [VALUES]).message
     log = log_of("PASS", encode(message))
@@ -151,10 +145,10 @@ def test_commands_show_and_export_them(
     assert {"field.from", "field.in", "field.class0"} <= set(heading.split(","))
 
 
-def test_a_package_has_them_under_their_python_names(family: Family) -> None:
+def test_a_package_has_them_under_their_python_names(family):
     folder = family("words")
     find = package_messages("global.msg", str(folder / "global" / "msg" / "__init__.py"))
-    assert type_name(cast("type[Message]", find("Query"))) == "global/Query"
+    assert type_name(find("Query")) == "global/Query"
     find = package_messages("lambda", str(folder / "__init__.py"))
     assert find("pass_") is message_class("lambda/pass")
     with pytest.raises(AttributeError, match="unknown type 'lambda/from'"):

@@ -2,8 +2,6 @@
 
 import importlib
 import sys
-from collections.abc import Iterator
-from types import ModuleType
 
 import lcm
 import pytest
@@ -103,7 +101,7 @@ ODD_TYPES = {
 
 
 @pytest.fixture(scope="session")
-def odd(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+def odd(tmp_path_factory):
     """The module of the types above, below a prefix as users' own packages will be."""
     folder = tmp_path_factory.mktemp("odd")
     for name, struct in ODD_TYPES.items():

@@ -3,7 +3,7 @@
 from lcmtools.bounded import BoundedDict
 
 
-def test_the_least_recently_used_entry_goes_first() -> None:
+def test_the_least_recently_used_entry_goes_first():
     known = BoundedDict[str, int](2)
     known["a"], known["b"] = 1, 2
     known.use("a")
@@ -12,7 +12,7 @@ def test_the_least_recently_used_entry_goes_first() -> None:
     assert known.forgotten == 1
 
 
-def test_reading_does_not_use_an_entry() -> None:
+def test_reading_does_not_use_an_entry():
     known = BoundedDict[str, int](2)
     known["a"], known["b"] = 1, 2
     assert known["a"] == known.get("a") == known.oldest() == 1
@@ -20,7 +20,7 @@ def test_reading_does_not_use_an_entry() -> None:
     assert list(known) == ["b", "c"]
 
 
-def test_the_bytes_of_all_entries_are_bounded_and_the_latest_stays() -> None:
+def test_the_bytes_of_all_entries_are_bounded_and_the_latest_stays():
     known = BoundedDict[str, int](100, 10)
     known.put("a", 1, 4)
     known.put("b", 2, 4)
@@ -30,7 +30,7 @@ def test_the_bytes_of_all_entries_are_bounded_and_the_latest_stays() -> None:
     assert list(known) == ["d"]
 
 
-def test_setting_a_known_entry_keeps_its_size() -> None:
+def test_setting_a_known_entry_keeps_its_size():
     known = BoundedDict[str, int](100, 10)
     known.put("a", 1, 4)
     known["a"] = 2
@@ -40,7 +40,7 @@ def test_setting_a_known_entry_keeps_its_size() -> None:
     assert list(known) == ["b", "c"]
 
 
-def test_bytes_of_removed_entries_do_not_count() -> None:
+def test_bytes_of_removed_entries_do_not_count():
     known = BoundedDict[str, int](100, 10)
     for name in "abc":
         known.put(name, 1, 10)

@@ -25,5 +25,5 @@ from lcmtools.escapes import escape_but_colors
         ("\udcff", "\\xff"),
     ],
 )
-def test_colours_pass_and_all_else_that_controls_is_escaped(line: str, shown: str) -> None:
+def test_colours_pass_and_all_else_that_controls_is_escaped(line, shown):
     assert escape_but_colors(line) == shown

@@ -2,13 +2,9 @@
 
 import re
 import sqlite3
-from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.command import Result
 from fixtures.ros_bags import Topic, own_types, read_bag, write_bag
 from fixtures.says import assert_says, raises_saying
 from rosbags.typesys import Stores, get_typestore
@@ -16,23 +12,21 @@ from rosbags.typesys import Stores, get_typestore
 from lcmtools.bag.ros_import import RosImport
 from lcmtools.errors import InvalidFile
 
-Run = Callable[..., Result]
-
 _BOTH = pytest.mark.parametrize("storage", ["db3", "mcap"])
 _WORDS = Topic("/words", "std_msgs/msg/String", [{"data": f"{n}"} for n in range(3)])
 
 
-def _folder(path: Path, *more: Topic, compression: str = "none", **definitions: str) -> Path:
+def _folder(path, *more, compression="none", **definitions):
     write_bag(path, own_types(2, **definitions), _WORDS, *more, compression=compression)
     return path
 
 
-def _storage(folder: Path) -> Path:
+def _storage(folder):
     (file,) = (one for one in folder.iterdir() if one.name != "metadata.yaml")
     return file
 
 
-def _change(folder: Path, *statements: str) -> None:
+def _change(folder, *statements):
     """Change a folder's database."""
     with closing(sqlite3.connect(_storage(folder))) as base:
         for statement in statements:
@@ -40,12 +34,12 @@ def _change(folder: Path, *statements: str) -> None:
         base.commit()
 
 
-def _read(path: Path) -> tuple[RosImport, list[tuple[str, Any]]]:
+def _read(path):
     reading = RosImport()
     return reading, [(one.topic, one.message) for one in reading.read(path)]
 
 
-def _assert_words(path: Path) -> RosImport:
+def _assert_words(path):
     reading, found = _read(path)
     words = [message.data for topic, message in found if topic == "/words"]
     assert words == ["0", "1", "2"]
@@ -60,11 +54,11 @@ _QOS = """
 """
 
 
-def _other_qos(metadata: str) -> str:
+def _other_qos(metadata):
     return re.sub(r"\n *offered_qos_profiles:.*(?:\n +- .*(?:\n {8,}.*)*)?\n", _QOS, metadata)
 
 
-_METADATA: dict[str, Callable[[str], str]] = {
+_METADATA = {
     "another QoS": _other_qos,
     "another version": lambda text: re.sub("version: 9", "version: 77", text),
     "another type": lambda text: text.replace("std_msgs/msg/String", "std_msgs/msg/Int32"),
@@ -77,9 +71,7 @@ _METADATA: dict[str, Callable[[str], str]] = {
 
 @_BOTH
 @pytest.mark.parametrize("change", _METADATA)
-def test_metadata_that_differs_from_the_files_does_no_harm(
-    change: str, storage: str, tmp_path: Path
-) -> None:
+def test_metadata_that_differs_from_the_files_does_no_harm(change, storage, tmp_path):
     folder = _folder(tmp_path / storage)
     metadata = folder / "metadata.yaml"
     before = metadata.read_text()
@@ -90,7 +82,7 @@ def test_metadata_that_differs_from_the_files_does_no_harm(
 
 @_BOTH
 @pytest.mark.parametrize("compression", ["none", "file", "message"])
-def test_a_folder_without_metadata_is_read(compression: str, storage: str, tmp_path: Path) -> None:
+def test_a_folder_without_metadata_is_read(compression, storage, tmp_path):
     folder = _folder(tmp_path / storage, compression=compression)
     assert len(read_bag(folder)) == 3
     assert _assert_words(folder).report.rows() == []
@@ -98,7 +90,7 @@ def test_a_folder_without_metadata_is_read(compression: str, storage: str, tmp_p
     assert _assert_words(folder).report.rows() == []
 
 
-def test_files_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+def test_files_are_read_in_the_order_of_their_numbers(tmp_path):
     folder = tmp_path / "many"
     folder.mkdir()
     for number in (0, 1, 2, 10):
@@ -108,7 +100,7 @@ def test_files_are_read_in_the_order_of_their_numbers(tmp_path: Path) -> None:
     assert [message.data for _, message in _read(folder)[1]] == [0, 1, 2, 10]
 
 
-def test_a_missing_or_damaged_file_costs_only_itself(tmp_path: Path) -> None:
+def test_a_missing_or_damaged_file_costs_only_itself(tmp_path):
     folder = _folder(tmp_path / "db3")
     metadata = folder / "metadata.yaml"
     (folder / "b.db3").write_bytes(b"SQLite format 3\0" + b"x" * 200)
@@ -123,7 +115,7 @@ def test_a_missing_or_damaged_file_costs_only_itself(tmp_path: Path) -> None:
     assert_says(rows[2], "c.db3", "Git LFS")
 
 
-def _storage_name(metadata: Path) -> str:
+def _storage_name(metadata):
     found = re.search(r"- (\S+\.db3)", metadata.read_text())
     assert found
     return found[1]
@@ -133,7 +125,7 @@ _ITEM = Topic("/item", "own_msgs/msg/Item", [{"x": 1}, {"x": 2}])
 _TOPIC = "UPDATE topics SET {} WHERE type LIKE 'own%'"
 _DEFINITION = "UPDATE message_definitions SET {} WHERE topic_type LIKE 'own%'"
 _SRV = "encoded_message_definition = 'int64 a\n---\nint64 b\n'"
-_STRANGE: dict[str, tuple[str, tuple[str, ...]]] = {
+_STRANGE = {
     "an own type without a definition": (
         "own_msgs/msg/Item",
         ("DELETE FROM message_definitions WHERE topic_type LIKE 'own%'",),
@@ -163,7 +155,7 @@ _STRANGE: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 @pytest.mark.parametrize("name", _STRANGE)
-def test_a_strange_topic_costs_only_itself(name: str, tmp_path: Path) -> None:
+def test_a_strange_topic_costs_only_itself(name, tmp_path):
     said, statements = _STRANGE[name]
     folder = _folder(tmp_path / "db3", _ITEM, Item="int32 x")
     _change(folder, *statements)
@@ -178,7 +170,7 @@ _BEFORE_IRON = (
 )
 
 
-def test_a_bag_of_before_iron_has_types_of_ros_but_no_definitions(tmp_path: Path) -> None:
+def test_a_bag_of_before_iron_has_types_of_ros_but_no_definitions(tmp_path):
     folder = _folder(tmp_path / "db3", _ITEM, Item="int32 x")
     _change(folder, *_BEFORE_IRON)
     (row,) = _assert_words(folder).report.rows()
@@ -186,9 +178,7 @@ def test_a_bag_of_before_iron_has_types_of_ros_but_no_definitions(tmp_path: Path
 
 
 @pytest.mark.parametrize("distribution", ["ROS2_FOXY", "ROS2_HUMBLE", "ROS2_JAZZY"])
-def test_without_definitions_types_are_those_of_the_distribution(
-    distribution: str, tmp_path: Path
-) -> None:
+def test_without_definitions_types_are_those_of_the_distribution(distribution, tmp_path):
     store = get_typestore(Stores[distribution])
     types = store.types
     header = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](1, 2), "sonar")
@@ -204,7 +194,7 @@ def test_without_definitions_types_are_those_of_the_distribution(
     assert message.range == 3.5
 
 
-def test_nothing_replaces_a_good_log(tmp_path: Path, cli: Run) -> None:
+def test_nothing_replaces_a_good_log(tmp_path, cli):
     good, log = _folder(tmp_path / "db3"), tmp_path / "a.lcmlog"
     cli("bag", "import", str(good), str(log)).ok()
     before = log.read_bytes()
@@ -219,7 +209,7 @@ def test_nothing_replaces_a_good_log(tmp_path: Path, cli: Run) -> None:
         assert log.read_bytes() == before
 
 
-def test_topics_are_chosen(tmp_path: Path, cli: Run) -> None:
+def test_topics_are_chosen(tmp_path, cli):
     folder, log = _folder(tmp_path / "db3", _ITEM, Item="int32 x"), str(tmp_path / "a.lcmlog")
     for words, count in (
         (("-t", "/words"), 3),
@@ -234,14 +224,14 @@ def test_topics_are_chosen(tmp_path: Path, cli: Run) -> None:
     assert_says(result.err, "no topic /nothing", "/item, /words")
 
 
-def test_a_topic_that_is_not_chosen_is_not_complained_of(tmp_path: Path, cli: Run) -> None:
+def test_a_topic_that_is_not_chosen_is_not_complained_of(tmp_path, cli):
     folder, log = _folder(tmp_path / "db3", _ITEM, Item="int32 x"), str(tmp_path / "a.lcmlog")
     _change(folder, "DELETE FROM message_definitions WHERE topic_type LIKE 'own%'")
     assert cli("bag", "import", str(folder), log).code == 1
     assert cli("bag", "import", str(folder), log, "--force", "-x", "/item").ok()
 
 
-def test_part_of_a_bag_is_named_as_that(tmp_path: Path) -> None:
+def test_part_of_a_bag_is_named_as_that(tmp_path):
     folder = _folder(tmp_path / "db3")
     for file in folder.iterdir():
         with raises_saying(InvalidFile, "part of a ROS 2 bag", str(folder)):

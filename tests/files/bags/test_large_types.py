@@ -1,19 +1,14 @@
 """Types for which rosbags would write code for hours: left out, with the reason, and named."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
-from fixtures.command import Result
 from fixtures.limits import cpu_limit
 from mcap.writer import Writer
 
 from lcmtools.bag.ros_types import RosTypes
 from lcmtools.errors import DecodeError
-from lcmtools.messages.registry import Message, Registry
+from lcmtools.messages.registry import Registry
 from lcmtools.packages.user_types import UserTypes
 
-Cli = Callable[..., Result]
 LINE = "=" * 80
 INNER = f"\n{LINE}\nMSG: a/B\nint32 x\nint32 y\n"
 DOUBLED = "a/B0 a\na/B0 b\n" + "".join(
@@ -27,7 +22,7 @@ LARGE = {
 }
 
 
-def write_mcap(path: Path, definition: str) -> None:
+def write_mcap(path, definition):
     with path.open("wb") as file:
         writer = Writer(file)
         writer.start("ros2")
@@ -39,9 +34,7 @@ def write_mcap(path: Path, definition: str) -> None:
 
 
 @pytest.mark.parametrize("definition", LARGE.values(), ids=LARGE)
-def test_a_bag_with_such_a_type_is_imported_without_it(
-    definition: str, cli: Cli, tmp_path: Path
-) -> None:
+def test_a_bag_with_such_a_type_is_imported_without_it(definition, cli, tmp_path):
     write_mcap(tmp_path / "a.mcap", definition)
     with cpu_limit():
         result = cli("bag", "import", str(tmp_path / "a.mcap"), str(tmp_path / "a.lcmlog"))
@@ -49,25 +42,25 @@ def test_a_bag_with_such_a_type_is_imported_without_it(
     assert "/good" in cli("bag", "info", str(tmp_path / "a.lcmlog")).out
 
 
-def test_a_long_definition_is_not_read(cli: Cli, tmp_path: Path) -> None:
+def test_a_long_definition_is_not_read(cli, tmp_path):
     write_mcap(tmp_path / "a.mcap", "int32 x\n" + "#" * 1_000_000)
     result = cli("bag", "import", str(tmp_path / "a.mcap"), str(tmp_path / "a.lcmlog"))
     assert "its definition has more than 1000000 characters" in result.err
 
 
-def test_large_arrays_of_numbers_are_imported(cli: Cli, tmp_path: Path) -> None:
+def test_large_arrays_of_numbers_are_imported(cli, tmp_path):
     write_mcap(tmp_path / "a.mcap", "uint8[1000000] x")
     result = cli("bag", "import", str(tmp_path / "a.mcap"), str(tmp_path / "a.lcmlog"))
     assert "more than 5000" not in result.err
 
 
-def own_class(tmp_path: Path, text: str) -> type[Message]:
+def own_class(tmp_path, text):
     (tmp_path / "T.lcm").write_text(text)
     environment = {"LCMTOOLS_TYPE_PATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
     return Registry([], UserTypes(environment, [], {})).message_class("T")
 
 
-def test_such_a_type_is_not_exported(tmp_path: Path) -> None:
+def test_such_a_type_is_not_exported(tmp_path):
     kind = own_class(tmp_path, "struct T { string x[100000]; }")
     with cpu_limit(), pytest.raises(DecodeError, match="has more than 5000 fields"):
         RosTypes(2).serialize(kind())

@@ -1,9 +1,6 @@
 """MCAP files without the parts that only speed needs, damaged, and with other encodings."""
 
 import struct
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.ros_bags import SECOND
@@ -15,7 +12,7 @@ from lcmtools.bag.ros_reading import bag_messages
 from lcmtools.errors import InvalidFile
 
 _COUNT = 20
-_OPTIONS: dict[str, dict[str, Any]] = {
+_OPTIONS = {
     "all": {},
     "no repeated channels": {"repeat_channels": False},
     "no repeated schemas": {"repeat_schemas": False},
@@ -37,12 +34,12 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 }
 
 
-def _message(number: int) -> bytes:
+def _message(number):
     text = f"message {number}\0".encode()
     return b"\0\1\0\0" + struct.pack("<I", len(text)) + text
 
 
-def _write(path: Path, times: list[int] | None = None, **options: Any) -> None:
+def _write(path, times=None, **options):
     """Write strings on /a, in chunks of a few messages."""
     with path.open("wb") as file:
         writer = Writer(file, **{"chunk_size": 150, **options})
@@ -54,14 +51,14 @@ def _write(path: Path, times: list[int] | None = None, **options: Any) -> None:
         writer.finish()
 
 
-def _numbers(path: Path) -> tuple[RosImport, list[int]]:
+def _numbers(path):
     reading = RosImport()
-    texts: list[Any] = [one.message for one in reading.read(path)]
+    texts = [one.message for one in reading.read(path)]
     return reading, [int(one.data.removeprefix("message ")) for one in texts]
 
 
 @pytest.mark.parametrize("name", _OPTIONS)
-def test_all_is_read(name: str, tmp_path: Path) -> None:
+def test_all_is_read(name, tmp_path):
     path = tmp_path / "a.mcap"
     _write(path, **_OPTIONS[name])
     reading, numbers = _numbers(path)
@@ -71,20 +68,20 @@ def test_all_is_read(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["all", "no chunks"])
 @pytest.mark.parametrize("times", [[3, 2, 1, 0] * 5, [*range(10, 20), *range(10)], [5] * 20])
-def test_messages_come_by_time(times: list[int], name: str, tmp_path: Path) -> None:
+def test_messages_come_by_time(times, name, tmp_path):
     path = tmp_path / "a.mcap"
     _write(path, times, **_OPTIONS[name])
     assert _numbers(path)[1] == sorted(range(len(times)), key=times.__getitem__)
 
 
 @pytest.mark.parametrize("name", ["all", "no chunks", "lz4", "plain"])
-def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(name: str, tmp_path: Path) -> None:
+def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(name, tmp_path):
     path = tmp_path / "a.mcap"
     _write(path, **_OPTIONS[name])
     whole, before = path.read_bytes(), 0
     for size in range(8, len(whole) - 37):  # before the footer
         path.write_bytes(whole[:size])
-        damage: list[str] = []
+        damage = []
         count = len(list(bag_messages(path, damage.append)))
         assert count >= before
         assert damage == [f"{path}: it is cut off at byte {size}"]
@@ -92,7 +89,7 @@ def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(name: str, tmp_path: Path
     assert before == _COUNT
 
 
-def test_a_file_without_a_whole_message_says_why(tmp_path: Path) -> None:
+def test_a_file_without_a_whole_message_says_why(tmp_path):
     path = tmp_path / "a.mcap"
     _write(path)
     path.write_bytes(path.read_bytes()[:60])
@@ -100,7 +97,7 @@ def test_a_file_without_a_whole_message_says_why(tmp_path: Path) -> None:
         list(RosImport().read(path))
 
 
-def test_a_damaged_chunk_costs_only_itself(tmp_path: Path) -> None:
+def test_a_damaged_chunk_costs_only_itself(tmp_path):
     path = tmp_path / "a.mcap"
     for name, damage in (("all", b"\xff" * 8), ("plain", b"X")):
         _write(path, **_OPTIONS[name])
@@ -114,7 +111,7 @@ def test_a_damaged_chunk_costs_only_itself(tmp_path: Path) -> None:
         assert_says(row, "a.mcap", "byte", "damaged")
 
 
-_CHANNELS: dict[str, tuple[str, str, str, bytes]] = {  # encoding, schema, its encoding and text
+_CHANNELS = {  # encoding, schema, its encoding and text
     "json": ("json", "own_msgs/Item", "jsonschema", b"{}"),
     "my_format": ("my_format", "std_msgs/msg/String", "ros2msg", b"string data"),
     "protobuf": ("protobuf", "foxglove.Log", "protobuf", b"\x0a\xff\xfe"),
@@ -136,7 +133,7 @@ _CHANNELS: dict[str, tuple[str, str, str, bytes]] = {  # encoding, schema, its e
 
 
 @pytest.mark.parametrize("said", _CHANNELS)
-def test_a_channel_that_cannot_be_read_costs_only_itself(said: str, tmp_path: Path) -> None:
+def test_a_channel_that_cannot_be_read_costs_only_itself(said, tmp_path):
     path = tmp_path / "a.mcap"
     encoding, schema, form, text = _CHANNELS[said]
     with path.open("wb") as file:
@@ -157,7 +154,7 @@ def test_a_channel_that_cannot_be_read_costs_only_itself(said: str, tmp_path: Pa
     assert_says(row, "3 messages", "/b", said)
 
 
-def test_messages_of_undescribed_channels_are_counted(tmp_path: Path) -> None:
+def test_messages_of_undescribed_channels_are_counted(tmp_path):
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
         writer = Writer(file, use_chunking=False)
@@ -172,7 +169,7 @@ def test_messages_of_undescribed_channels_are_counted(tmp_path: Path) -> None:
     assert len(reading.report.left_out) == 2
 
 
-def _idl_of_two() -> bytes:
+def _idl_of_two():
     line = "=" * 80
     item = "module own_msgs { module msg { struct Item { own_msgs::msg::Part part; }; }; };"
     part = "module own_msgs { module msg { struct Part { uint16 x; octet y; }; }; };"
@@ -180,7 +177,7 @@ def _idl_of_two() -> bytes:
     return f"{head}Item\n{item}\n{head}Part\n{part}\n".encode()
 
 
-_FORMS: dict[str, tuple[str, bytes, Callable[[Any], object], bytes]] = {
+_FORMS = {
     "action": (
         "own_msgs/action/Go_FeedbackMessage",
         b"own_msgs/action/Go_Feedback feedback\n"
@@ -195,7 +192,7 @@ _FORMS: dict[str, tuple[str, bytes, Callable[[Any], object], bytes]] = {
 
 
 @pytest.mark.parametrize("form", _FORMS)
-def test_definitions_are_read_in_each_form(form: str, tmp_path: Path) -> None:
+def test_definitions_are_read_in_each_form(form, tmp_path):
     name, text, field, data = _FORMS[form]
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
@@ -209,7 +206,7 @@ def test_definitions_are_read_in_each_form(form: str, tmp_path: Path) -> None:
     assert field(message) == 40000
 
 
-def test_two_types_of_one_name_are_not_mixed_up(tmp_path: Path) -> None:
+def test_two_types_of_one_name_are_not_mixed_up(tmp_path):
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
         writer = Writer(file)

@@ -1,7 +1,5 @@
 """Fields with names that lcm-gen's Python needs, or that arrays' lengths have."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fixtures.ros_bags import TARGETS, Topic, own_types, version_of, write_bag
@@ -22,14 +20,14 @@ from lcmtools.bag.ros_import import RosImport
         (["a_length", "a[]", "a_length_[]"], {"a_length": "a_length__"}),
     ],
 )
-def test_fields_get_names_that_are_free(names: list[str], renamed: dict[str, str]) -> None:
+def test_fields_get_names_that_are_free(names, renamed):
     text = "".join(f"int32{'[]' * ('[]' in name)} {name.strip('[]')}\n" for name in names)
     types = own_types(1, Item=text)
     assert renamed_fields(types.fielddefs["own_msgs/msg/Item"][1]) == renamed
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_values_are_right_under_other_names(target: str, tmp_path: Path) -> None:
+def test_values_are_right_under_other_names(target, tmp_path):
     text = "string from\nint32 encode\nint32 encoder_length\nfloat32[] encoder\nfloat32[2] pair\n"
     text += "int32 pair_length\nstring[] a_length\nint16[] a\n"
     path = tmp_path / target
@@ -69,12 +67,12 @@ def test_values_are_right_under_other_names(target: str, tmp_path: Path) -> None
     assert len(reading.report.rows()) == 2
 
 
-def test_constants_that_lcm_lacks_cost_only_themselves(tmp_path: Path) -> None:
+def test_constants_that_lcm_lacks_cost_only_themselves(tmp_path):
     text = "uint64 MOST=18446744073709551615\nuint8 FEW=3\nbyte LARGE=200\nint32 x\n"
     path, store = tmp_path / "a.bag", own_types(1, Item=text)
     write_bag(path, store, Topic("/item", "own_msgs/msg/Item", [{"x": 4}]))
     reading = RosImport()
     ((_, message, _),) = reading.read(path)
-    assert (message.x, type(message).FEW) == (4, 3)  # type: ignore[attr-defined]
+    assert (message.x, type(message).FEW) == (4, 3)
     assert not hasattr(message, "MOST")
     assert reading.report.rows() == []

@@ -1,23 +1,17 @@
 """Unsigned numbers of ROS, which LCM lacks: right, or named as changed."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from fixtures.command import Result
 from fixtures.ros_bags import TARGETS, Topic, own_types, read_bag, version_of, write_bag
 from fixtures.says import assert_says
 
 from lcmtools.bag.ros_import import RosImport
 from lcmtools.messages.codec import encode
 
-Run = Callable[..., Result]
-
 _TARGETS = pytest.mark.parametrize("target", TARGETS)
-_RIGHT: list[tuple[str, int]] = [
+_RIGHT = [
     ("uint8", 255),
     ("uint16", 40000),
     ("uint16", 65535),
@@ -32,13 +26,13 @@ _RIGHT: list[tuple[str, int]] = [
 ]
 
 
-def _imported(path: Path) -> tuple[RosImport, list[Any]]:
+def _imported(path):
     reading = RosImport()
     return reading, [one.message for one in reading.read(path)]
 
 
 @_TARGETS
-def test_numbers_of_own_types_are_right(target: str, tmp_path: Path) -> None:
+def test_numbers_of_own_types_are_right(target, tmp_path):
     path, text, values = tmp_path / target, "", {}
     for number, (kind, value) in enumerate(_RIGHT):
         text += f"{kind} one{number}\n{kind}[] some{number}\n{kind}[2] two{number}\n"
@@ -55,7 +49,7 @@ def test_numbers_of_own_types_are_right(target: str, tmp_path: Path) -> None:
 
 
 @_TARGETS
-def test_a_uint64_above_the_largest_number_of_lcm_is_named(target: str, tmp_path: Path) -> None:
+def test_a_uint64_above_the_largest_number_of_lcm_is_named(target, tmp_path):
     path, text = tmp_path / target, "uint64 one\nuint64[] some\nuint64[2] two\n"
     array = np.array([2**64 - 2, 1], "uint64")
     values = {"one": 2**64 - 2, "some": array, "two": array}
@@ -68,7 +62,7 @@ def test_a_uint64_above_the_largest_number_of_lcm_is_named(target: str, tmp_path
         assert_says(row, "/item", field, "3 times", str(2**64 - 2))
 
 
-def test_a_number_in_an_array_of_messages_is_named_with_its_path(tmp_path: Path) -> None:
+def test_a_number_in_an_array_of_messages_is_named_with_its_path(tmp_path):
     path, store = tmp_path / "a.bag", own_types(1, Part="uint64 id", Item="own_msgs/Part[] parts")
     parts = [store.types["own_msgs/msg/Part"](id=number) for number in (1, 2**63, 2**63 + 1)]
     write_bag(path, store, Topic("/item", "own_msgs/msg/Item", [{"parts": parts}]))
@@ -77,9 +71,7 @@ def test_a_number_in_an_array_of_messages_is_named_with_its_path(tmp_path: Path)
     assert_says(row, "/item", "parts.id", "2 times", str(2**63))
 
 
-def test_a_shipped_type_keeps_its_fingerprint_and_its_numbers_are_named(
-    tmp_path: Path, cli: Run
-) -> None:
+def test_a_shipped_type_keeps_its_fingerprint_and_its_numbers_are_named(tmp_path, cli):
     path, log = tmp_path / "a.bag", tmp_path / "a.lcmlog"
     write_bag(path, own_types(1), Topic("/n", "std_msgs/msg/UInt32", [{"data": 2**32 - 1}]))
     result = cli("bag", "import", str(path), str(log), "--json")
@@ -90,7 +82,7 @@ def test_a_shipped_type_keeps_its_fingerprint_and_its_numbers_are_named(
     assert cli("echo", "-b", str(log), "/n").out.startswith("data: -1\n")
 
 
-def test_seconds_of_ros_1_are_unsigned(tmp_path: Path) -> None:
+def test_seconds_of_ros_1_are_unsigned(tmp_path):
     path, store = tmp_path / "a.bag", own_types(1, Item="time at")
     time = store.types["builtin_interfaces/msg/Time"](sec=-1, nanosec=5)  # its bits are 2^32 - 1
     write_bag(path, store, Topic("/item", "own_msgs/msg/Item", [{"at": time}]))
@@ -99,7 +91,7 @@ def test_seconds_of_ros_1_are_unsigned(tmp_path: Path) -> None:
     assert_says(row, "/item", "at.sec", str(2**32 - 1))
 
 
-def test_a_byte_is_unsigned_in_ros_2_and_signed_in_ros_1(tmp_path: Path) -> None:
+def test_a_byte_is_unsigned_in_ros_2_and_signed_in_ros_1(tmp_path):
     for target, expected in (("a.bag", -56), ("db3", 200)):
         path = tmp_path / target
         store = own_types(version_of(path), Item="byte one")
@@ -126,7 +118,7 @@ own_msgs/Part[2] parts
 """
 
 
-def _many(version: int) -> tuple[Any, dict[str, Any]]:
+def _many(version):
     store = own_types(version, Part="uint16 def\nuint64[2] ids\n", Item=_MANY)
     types = store.types
     stamp = types["builtin_interfaces/msg/Time"](sec=7, nanosec=8)
@@ -151,9 +143,7 @@ def _many(version: int) -> tuple[Any, dict[str, Any]]:
 
 
 @pytest.mark.parametrize("target", ["a.bag", "db3"])
-def test_exported_again_messages_are_the_same_bit_for_bit(
-    target: str, tmp_path: Path, cli: Run
-) -> None:
+def test_exported_again_messages_are_the_same_bit_for_bit(target, tmp_path, cli):
     path, log, back = tmp_path / target, str(tmp_path / "a.lcmlog"), tmp_path / f"again_{target}"
     store, values = _many(version_of(path))
     write_bag(path, store, Topic("/item", "own_msgs/msg/Item", [values] * 2))
@@ -163,7 +153,7 @@ def test_exported_again_messages_are_the_same_bit_for_bit(
     assert read_bag(back) == read_bag(path)
 
 
-def test_exported_again_a_type_is_the_same(tmp_path: Path, cli: Run) -> None:
+def test_exported_again_a_type_is_the_same(tmp_path, cli):
     from rosbags.rosbag1 import Reader
 
     path, log, back = tmp_path / "a.bag", str(tmp_path / "a.lcmlog"), tmp_path / "b.bag"
@@ -178,7 +168,7 @@ def test_exported_again_a_type_is_the_same(tmp_path: Path, cli: Run) -> None:
     assert digests[0] == digests[1]
 
 
-def test_an_mcap_file_that_is_exported_again_has_the_same_bytes(tmp_path: Path, cli: Run) -> None:
+def test_an_mcap_file_that_is_exported_again_has_the_same_bytes(tmp_path, cli):
     from mcap.reader import make_reader
 
     path, log, back = tmp_path / "a.mcap", str(tmp_path / "a.lcmlog"), tmp_path / "b.mcap"
@@ -193,7 +183,7 @@ def test_an_mcap_file_that_is_exported_again_has_the_same_bytes(tmp_path: Path, 
     assert found[0] == found[1]
 
 
-def test_a_number_that_ros_cannot_hold_is_left_out(tmp_path: Path, cli: Run) -> None:
+def test_a_number_that_ros_cannot_hold_is_left_out(tmp_path, cli):
     import lcm
 
     from lcmtools.observe.reading.log_file import LogFile, index_path
@@ -220,9 +210,7 @@ def test_a_number_that_ros_cannot_hold_is_left_out(tmp_path: Path, cli: Run) -> 
 
 
 @pytest.mark.parametrize("level", [2, 200])
-def test_a_byte_above_127_is_named_where_a_shipped_type_has_it_signed(
-    tmp_path: Path, level: int
-) -> None:
+def test_a_byte_above_127_is_named_where_a_shipped_type_has_it_signed(tmp_path, level):
     path, store = tmp_path / "db3", own_types(2)
     bits = level - 256 * (level > 127)  # as the library writes it
     fields = {"level": bits, "name": "", "message": "", "hardware_id": "", "values": []}

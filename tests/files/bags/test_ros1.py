@@ -1,16 +1,10 @@
 """Bags of ROS 1 that were not closed, are damaged, or have strange topics."""
 
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import Any
-
 import pytest
-from fixtures.command import Result
 from fixtures.ros_bags import SECOND, Topic, own_types, read_bag, write_bag
 from fixtures.says import assert_says
 from rosbags.rosbag1 import Writer
 from rosbags.rosbag1.reader import Reader
-from rosbags.typesys.store import Typestore
 
 from lcmtools.bag import ros1_records
 from lcmtools.bag.ros_import import RosImport
@@ -19,13 +13,7 @@ from lcmtools.bag.ros_reading import bag_messages
 _COUNT = 6
 
 
-def _write(
-    path: Path,
-    compression: str = "none",
-    store: Typestore | None = None,
-    numbers: Sequence[int] = range(_COUNT),
-    threshold: int = 30,
-) -> None:
+def _write(path, compression="none", store=None, numbers=range(_COUNT), threshold=30):
     """Write numbers at their times, in chunks of at least ``threshold`` bytes."""
     store = store or own_types(1)
     writer = Writer(path)
@@ -40,26 +28,26 @@ def _write(
             writer.write(connection, number * SECOND, data)
 
 
-def _forget_index(path: Path) -> None:
+def _forget_index(path):
     """Let a bag be as before it was closed."""
     whole = path.read_bytes()
     place = whole.index(b"index_pos=") + len(b"index_pos=")
     path.write_bytes(whole[:place] + bytes(8) + whole[place + 8 :])
 
 
-def _chunks(path: Path) -> int:
+def _chunks(path):
     with Reader(path) as reader:
         return len(reader.chunk_infos)
 
 
-def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(tmp_path):
     path = tmp_path / "a.bag"
     _write(path)
     assert _chunks(path) > 1
     whole, before = path.read_bytes(), 0
     for size in range(4110, len(whole)):  # after the head
         path.write_bytes(whole[:size])
-        damage: list[str] = []
+        damage = []
         count = len(list(bag_messages(path, damage.append)))
         assert count >= before
         assert_says(damage[0], str(path), "without its index")
@@ -67,12 +55,12 @@ def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     assert before == _COUNT
 
 
-def test_a_bag_that_was_not_closed_is_read(tmp_path: Path) -> None:
+def test_a_bag_that_was_not_closed_is_read(tmp_path):
     path = tmp_path / "a.bag"
     _write(path)
     _forget_index(path)
     reading = RosImport()
-    found: list[Any] = [one.message for one in reading.read(path)]
+    found = [one.message for one in reading.read(path)]
     assert [one.data for one in found] == [*range(_COUNT)]
     (row,) = reading.report.rows()
     assert_says(row, "a.bag", "not indexed")
@@ -81,15 +69,15 @@ def test_a_bag_that_was_not_closed_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("has_index", [True, False])
 @pytest.mark.parametrize("compression", ["BZ2", "LZ4"])
 def test_a_chunk_that_unpacks_to_too_much_is_refused_in_one_line(
-    compression: str, *, has_index: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    compression, *, has_index, tmp_path, monkeypatch
+):
     path = tmp_path / "a.bag"
     _write(path, compression)
     if not has_index:
         _forget_index(path)
     assert len(list(bag_messages(path, str))) == _COUNT
     monkeypatch.setattr("lcmtools.bag.mcap_reading._MOST_OF_CHUNK", 40)
-    damage: list[str] = []
+    damage = []
     assert list(bag_messages(path, damage.append)) == []
     assert_says(damage[-1], "a.bag is damaged", "its content has more than 40 bytes")
     assert len(damage) == (1 if has_index else 2)
@@ -103,9 +91,7 @@ def test_a_chunk_that_unpacks_to_too_much_is_refused_in_one_line(
         (b"string  x", "are no own_msgs/Item"),
     ],
 )
-def test_a_strange_definition_costs_only_its_topic(
-    definition: bytes, said: str, tmp_path: Path
-) -> None:
+def test_a_strange_definition_costs_only_its_topic(definition, said, tmp_path):
     path, store = tmp_path / "a.bag", own_types(1, Item="uint64 xx")
     words = Topic("/words", "std_msgs/msg/String", [{"data": "a"}] * 3)
     write_bag(path, store, words, Topic("/item", "own_msgs/msg/Item", [{"xx": 1}]))
@@ -120,9 +106,7 @@ def test_a_strange_definition_costs_only_its_topic(
     assert_says(row, "1 messages", "/item", said)
 
 
-def test_a_time_in_a_type_of_its_own_is_the_time(
-    tmp_path: Path, cli: Callable[..., Result]
-) -> None:
+def test_a_time_in_a_type_of_its_own_is_the_time(tmp_path, cli):
     path, log, back = tmp_path / "a.bag", tmp_path / "a.lcmlog", tmp_path / "b.bag"
     store = own_types(1, Item="std_msgs/Time at\nstd_msgs/Duration[] some\ntime plain")
     types = store.types
@@ -136,7 +120,7 @@ def test_a_time_in_a_type_of_its_own_is_the_time(
         Topic("/item", "own_msgs/msg/Item", [{"at": held, "some": [some], "plain": time}]),
     )
     cli("bag", "import", str(path), str(log)).ok()
-    found: dict[str, Any] = {one.topic: one.message for one in RosImport().read(path)}
+    found = {one.topic: one.message for one in RosImport().read(path)}
     assert (found["/time"].sec, found["/time"].nsec) == (5, 6)
     assert (found["/item"].at.sec, found["/item"].some[0].sec, found["/item"].plain.nsec) == (
         5,
@@ -152,13 +136,11 @@ def test_a_time_in_a_type_of_its_own_is_the_time(
     assert digests[0] == digests[1]
 
 
-def test_chunks_whose_times_alternate_are_unpacked_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_chunks_whose_times_alternate_are_unpacked_once(tmp_path, monkeypatch):
     path, unpacked = tmp_path / "a.bag", []
     whole = ros1_records.decompressed_chunk
 
-    def count(kind: str, data: bytes) -> bytes:
+    def count(kind, data):
         unpacked.append(kind)
         return whole(kind, data)
 

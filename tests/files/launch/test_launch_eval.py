@@ -13,7 +13,7 @@ ENVIRONMENT = {"ROBOT": "dolly"}
 FOLDER = "/home/me/my robot"
 
 
-def typed(text: str) -> object:
+def typed(text):
     """Roslaunch's ``convert_value(text, "auto")``."""
     try:
         return float(text) if "." in text else int(text)
@@ -21,7 +21,7 @@ def typed(text: str) -> object:
         return text == "true" if text in ("true", "false") else text
 
 
-NAMES: dict[str, object] = {
+NAMES = {
     **{name: getattr(math, name) for name in dir(math) if not name.startswith("_")},
     "true": True,
     "false": False,
@@ -72,7 +72,7 @@ NAMES: dict[str, object] = {
         "round(2.65, 1)",
     ],
 )
-def test_value_is_that_of_python(text: str) -> None:
+def test_value_is_that_of_python(text):
     known = Known(ARGUMENTS, ENVIRONMENT, FOLDER, lambda name: f"/ros/{name}")
     assert substitute(f"$(eval {text})", known) == str(eval(text, NAMES))  # noqa: S307 - roslaunch's way, of the texts above
 
@@ -90,7 +90,7 @@ def test_value_is_that_of_python(text: str) -> None:
         ("'aaaaaaaaaa'.replace('a', arg('long'))", "longer than 10000 characters"),
     ],
 )
-def test_what_cannot_be_worked_out_is_named(text: str, reason: str) -> None:
+def test_what_cannot_be_worked_out_is_named(text, reason):
     known = Known({**ARGUMENTS, "long": "x" * 9000}, ENVIRONMENT, FOLDER, str)
     with raises_saying(UsageError, reason):
         substitute(f"$(eval {text})", known)

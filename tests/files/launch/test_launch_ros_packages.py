@@ -1,19 +1,13 @@
 """ROS packages of a workspace are found by $(find), by launch and by run."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from fixtures.says import raises_saying
 
 from lcmtools.errors import UsageError
 from lcmtools.launch.executables import find_executable
 from lcmtools.launch.packages import find_files, package_folder
-from lcmtools.launch.plan import Plan
 from lcmtools.packages.programs import find_program
 from lcmtools.packages.ros_packages import ros_packages
-
-Make = Callable[..., Plan]
 
 PACKAGES = {
     "src/rover_bringup": "rover_bringup",
@@ -26,7 +20,7 @@ PACKAGES = {
 
 
 @pytest.fixture
-def space(folder: Path) -> Path:
+def space(folder):
     """A catkin workspace with repositories, launch files and a script."""
     for place, name in PACKAGES.items():
         (folder / place / "launch").mkdir(parents=True)
@@ -50,14 +44,14 @@ def space(folder: Path) -> Path:
 @pytest.mark.parametrize(
     "here", [".", "src", "src/rover_bringup/launch", "src/navigation", "src/navigation/renamed"]
 )
-def test_packages_are_found_from_everywhere_in_the_workspace(space: Path, here: str) -> None:
+def test_packages_are_found_from_everywhere_in_the_workspace(space, here):
     found = ros_packages(space / here)
     assert {name: str(found[name].relative_to(space)) for name in found if name != "hidden"} == {
         name: place for place, name in PACKAGES.items() if name not in ("hidden", "of_another")
     }
 
 
-def test_launch_finds_a_package_its_file_and_its_scripts(plan: Make, space: Path) -> None:
+def test_launch_finds_a_package_its_file_and_its_scripts(plan, space):
     (file,) = find_files(["rover_bringup", "all.launch"])
     (node,) = plan(file.read_text()).nodes
     assert node.command[0] == str(space / "src/rover_bringup/scripts/drive.py")
@@ -65,7 +59,7 @@ def test_launch_finds_a_package_its_file_and_its_scripts(plan: Make, space: Path
     assert find_files(["rover_maps"]) == [space / "src/navigation/rover_maps/launch/map.launch"]
 
 
-def test_run_finds_a_script_and_names_what_there_is(space: Path) -> None:
+def test_run_finds_a_script_and_names_what_there_is(space):
     script = space / "src/rover_bringup/scripts/drive.py"
     assert find_program(["rover_bringup", "drive", "x"], space) == script
     assert find_program(["drive.py"], space) is None
@@ -77,12 +71,12 @@ def test_run_finds_a_script_and_names_what_there_is(space: Path) -> None:
         find_executable("rover_bringup", "notes.py", space)
 
 
-def test_missing_package_is_named_with_a_near_one(space: Path) -> None:
+def test_missing_package_is_named_with_a_near_one(space):
     with raises_saying(UsageError, "'rover_map'", "did you mean rover_maps?"):
         package_folder("rover_map", space)
 
 
-def test_packages_beside_a_shared_folder_are_not_used(space: Path) -> None:
+def test_packages_beside_a_shared_folder_are_not_used(space):
     (space / "mine").mkdir()
     space.chmod(0o1777)
     assert "rover_maps" not in ros_packages(space / "mine")

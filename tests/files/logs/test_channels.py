@@ -1,11 +1,9 @@
 """Channels whose names are not UTF-8, or have control characters: LCM takes any bytes but zero."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 from fixtures.wire import encode_event
 
 from lcmtools.bus.tap import Tap
@@ -17,8 +15,6 @@ from lcmtools.names import Pattern, is_hidden, spellings
 from lcmtools.types.builtin_interfaces import Time
 from lcmtools.wire.log_events import packets
 from lcmtools.wire.packet import Packet
-
-Cli = Callable[..., Result]
 
 NAMES = [  # bytes in the log, and as commands show and take them
     (b"caf\xe9", r"caf\xe9"),
@@ -32,18 +28,18 @@ NAMES = [  # bytes in the log, and as commands show and take them
 OTHER = b"/other"
 
 
-def text(name: bytes) -> str:
+def text(name):
     return name.decode("utf-8", "surrogateescape")
 
 
 @pytest.fixture(params=NAMES, ids=str)
-def names(request: pytest.FixtureRequest) -> tuple[bytes, str]:
-    found: tuple[bytes, str] = request.param
+def names(request):
+    found = request.param
     return found
 
 
 @pytest.fixture
-def log(names: tuple[bytes, str], tmp_path: Path) -> str:
+def log(names, tmp_path):
     path = tmp_path / "odd.lcmlog"
     found = (
         Packet(text(name), encode(Time()), 1_795_000_000_000_000_000) for name in (OTHER, names[0])
@@ -52,11 +48,11 @@ def log(names: tuple[bytes, str], tmp_path: Path) -> str:
     return str(path)
 
 
-def channels(path: str) -> list[str]:
+def channels(path):
     return [one.channel for one in packets(Path(path).read_bytes())]
 
 
-def test_a_name_is_found_by_its_spelling(names: tuple[bytes, str]) -> None:
+def test_a_name_is_found_by_its_spelling(names):
     name, spelling = names
     assert text(name) in spellings(spelling)
     assert Pattern(spelling).matches(text(name))
@@ -64,9 +60,7 @@ def test_a_name_is_found_by_its_spelling(names: tuple[bytes, str]) -> None:
     assert not Pattern(spelling).matches(text(OTHER))
 
 
-def test_commands_take_the_spelling(
-    names: tuple[bytes, str], log: str, cli: Cli, tmp_path: Path
-) -> None:
+def test_commands_take_the_spelling(names, log, cli, tmp_path):
     name, spelling = names
     out = str(tmp_path / "out")
     assert cli("echo", "-b", log, spelling).ok().count("---") == 1
@@ -81,9 +75,7 @@ def test_commands_take_the_spelling(
         assert channels(out) == [text(OTHER), "/new"]
 
 
-def test_they_are_played_as_they_are(
-    names: tuple[bytes, str], log: str, cli: Cli, bus_url: str
-) -> None:
+def test_they_are_played_as_they_are(names, log, cli, bus_url):
     with Tap(parse_url(bus_url), whole=True) as tap:
         cli("bag", "play", log, env={"LCM_DEFAULT_URL": bus_url})
         found = list[Packet]()
@@ -93,9 +85,7 @@ def test_they_are_played_as_they_are(
     assert {one.payload for one in found} == {encode(Time())}
 
 
-def test_a_bus_without_such_channels_leaves_them_out_by_name(
-    names: tuple[bytes, str], log: str, cli: Cli
-) -> None:
+def test_a_bus_without_such_channels_leaves_them_out_by_name(names, log, cli):
     result = cli("bag", "play", log, env={"LCM_DEFAULT_URL": "memq://"})
     try:
         names[0].decode()
@@ -107,7 +97,7 @@ def test_a_bus_without_such_channels_leaves_them_out_by_name(
     assert result.code == 0
 
 
-def test_a_summary_shows_the_spelling(names: tuple[bytes, str], log: str, cli: Cli) -> None:
+def test_a_summary_shows_the_spelling(names, log, cli):
     rows = cli("bag", "info", log).ok().splitlines()
     shown = r"a\xe9" if names[0] == b"a\\xe9" else text(names[0])
     (record,) = json.loads(cli("bag", "info", log, "--json").ok())
@@ -115,7 +105,7 @@ def test_a_summary_shows_the_spelling(names: tuple[bytes, str], log: str, cli: C
     assert len({row.index("builtin") for row in rows if "builtin" in row}) == 1
 
 
-def test_a_node_announces_the_name_as_it_is(names: tuple[bytes, str]) -> None:
+def test_a_node_announces_the_name_as_it_is(names):
     end = Endpoint(text(names[0]), Role.PUBLISHER, ("std_msgs/String",))
     announced = encode_announcement(Announcement(Node("/n", "1", "h", 1, endpoints=(end,))))
     read = decode_announcement(announced)

@@ -2,24 +2,20 @@
 
 import bz2
 import resource
-from collections.abc import Callable, Iterator
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
-from fixtures.command import Result
 
 from lcmtools.wire.log_compression import (
-    Compression,
     compressor,
     decompressed,
     decompressed_bytes,
 )
 
-Cli = Callable[..., Result]
-KINDS: tuple[Compression, ...] = ("zstd", "lz4")
+KINDS = ("zstd", "lz4")
 LARGE = 256 << 20
 """Bytes in a file of some kB."""
 
@@ -33,10 +29,10 @@ class Usage(NamedTuple):
 
 
 @pytest.fixture(params=KINDS)
-def bomb(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Compression, Path]:
+def bomb(request, tmp_path):
     """A file of zeros, compressed in pieces."""
     path = tmp_path / "bomb.lcmlog"
-    kind: Compression = request.param
+    kind = request.param
     with path.open("wb") as file:
         if kind == "zstd":
             with (
@@ -47,7 +43,7 @@ def bomb(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Compression, P
                 for _ in range(LARGE >> 20):
                     writer.write(bytes(1 << 20))
         else:
-            made: Any = import_module("lz4.frame").LZ4FrameCompressor()
+            made = import_module("lz4.frame").LZ4FrameCompressor()
             file.write(made.begin())
             for _ in range(LARGE >> 20):
                 file.write(made.compress(bytes(1 << 20)))
@@ -56,7 +52,7 @@ def bomb(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Compression, P
 
 
 @pytest.fixture
-def small_memory() -> Iterator[None]:
+def small_memory():
     """The process may have 100 MB more."""
     before = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
@@ -68,7 +64,7 @@ def small_memory() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("small_memory")
-def test_it_is_unpacked_in_pieces(bomb: tuple[Compression, Path]) -> None:
+def test_it_is_unpacked_in_pieces(bomb):
     kind, path = bomb
     with path.open("rb") as file:
         sizes = [len(piece) for piece in decompressed(kind, file)]
@@ -77,7 +73,7 @@ def test_it_is_unpacked_in_pieces(bomb: tuple[Compression, Path]) -> None:
 
 
 @pytest.mark.usefixtures("small_memory")
-def test_bz2_in_ros_bags_is_unpacked_in_pieces_too() -> None:
+def test_bz2_in_ros_bags_is_unpacked_in_pieces_too():
     bomb = bz2.compress(bytes(LARGE >> 4)) * 16
     assert len(bomb) < 1000
     assert max(map(len, decompressed("bz2", BytesIO(bomb)))) <= 1 << 20
@@ -86,14 +82,12 @@ def test_bz2_in_ros_bags_is_unpacked_in_pieces_too() -> None:
 
 
 @pytest.mark.usefixtures("small_memory")
-def test_so_many_bytes_are_refused(bomb: tuple[Compression, Path]) -> None:
+def test_so_many_bytes_are_refused(bomb):
     with pytest.raises(ValueError, match="its content has more than 10000000 bytes"):
         decompressed_bytes(bomb[0], bomb[1].read_bytes(), 10_000_000)
 
 
-def test_it_must_fit_into_the_free_space(
-    bomb: tuple[Compression, Path], cli: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_it_must_fit_into_the_free_space(bomb, cli, monkeypatch):
     monkeypatch.setattr("shutil.disk_usage", lambda _: Usage(LARGE, 0, LARGE))
     result = cli("bag", "info", str(bomb[1]))
     assert "bomb.lcmlog has more than" in result.err
@@ -103,7 +97,7 @@ def test_it_must_fit_into_the_free_space(
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("size", [0, 1, 100_000, 3 << 20])
-def test_frames_one_after_another_give_their_content(kind: Compression, size: int) -> None:
+def test_frames_one_after_another_give_their_content(kind, size):
     compress = compressor(kind)
     frames = compress(bytes(size)) + compress(b"end") + compress(b"")
     assert decompressed_bytes(kind, frames, 1 << 30) == bytes(size) + b"end"

@@ -1,34 +1,29 @@
 """CSV of logs: its columns are those of all messages, whichever comes first."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 from fixtures.wire import encode_event
 
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
 from lcmtools.types.std_msgs import Float64, String
 from lcmtools.types.trajectory_msgs import JointTrajectoryPoint
 from lcmtools.wire.packet import Packet
 
-Cli = Callable[..., Result]
 
-
-def point(positions: list[float], effort: list[float]) -> Message:
+def point(positions, effort):
     message = JointTrajectoryPoint()
     message.positions, message.effort = positions, effort
     return message
 
 
-def text(data: str) -> Message:
+def text(data):
     message = String()
     message.data = data
     return message
 
 
-def exported(cli: Cli, tmp_path: Path, messages: list[Message], code: int = 0) -> list[str]:
+def exported(cli, tmp_path, messages, code=0):
     path, out = tmp_path / "a.lcmlog", tmp_path / "out.csv"
     events = (
         encode_event(n, Packet("/a", encode(one), n * 1000)) for n, one in enumerate(messages)
@@ -55,13 +50,7 @@ TAIL = "field.time_from_start"
         ([([1], [2]), ([], [])], ["positions0", "effort0"], ["1.0,2.0", ","]),
     ],
 )
-def test_columns_are_those_of_the_longest_arrays(
-    points: list[tuple[list[float], list[float]]],
-    columns: list[str],
-    rows: list[str],
-    cli: Cli,
-    tmp_path: Path,
-) -> None:
+def test_columns_are_those_of_the_longest_arrays(points, columns, rows, cli, tmp_path):
     head, *found = exported(cli, tmp_path, [point(*one) for one in points])
     names = head.split(",")
     assert [name for name in names if not name.startswith(TAIL)] == [
@@ -71,7 +60,7 @@ def test_columns_are_those_of_the_longest_arrays(
     assert [",".join(row.split(",")[1 : len(columns) + 1]) for row in found] == rows
 
 
-def test_echo_has_the_same_columns(cli: Cli, tmp_path: Path) -> None:
+def test_echo_has_the_same_columns(cli, tmp_path):
     messages = [point([1], []), point([1, 2], [3]), point([], [4, 5])]
     rows = exported(cli, tmp_path, messages)
     path = str(tmp_path / "a.lcmlog")
@@ -83,12 +72,12 @@ def test_echo_has_the_same_columns(cli: Cli, tmp_path: Path) -> None:
     assert [row.split(",")[1] for row in first[1:]] == ["1.0", "1.0"]
 
 
-def test_text_survives(cli: Cli, tmp_path: Path) -> None:
+def test_text_survives(cli, tmp_path):
     words = ['a, "b"', "line\r\nend", "é", ""]
     rows = exported(cli, tmp_path, [text(word) for word in words])
     assert rows == ["%time,field.data", '0,"a, ""b"""', '1000,"line', 'end"', "2000,é", "3000,"]
 
 
-def test_another_type_is_left_out_by_name(cli: Cli, tmp_path: Path) -> None:
+def test_another_type_is_left_out_by_name(cli, tmp_path):
     messages = [text("a"), Float64(), text("b")]
     assert exported(cli, tmp_path, messages, code=1) == ["%time,field.data", "0,a", "2000,b"]

@@ -2,11 +2,8 @@
 
 import os
 import threading
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
@@ -14,8 +11,6 @@ from lcmtools.bag.writer import LogWriter
 from lcmtools.messages.codec import encode
 from lcmtools.types.builtin_interfaces import Time
 from lcmtools.wire.packet import Packet
-
-Cli = Callable[..., Result]
 
 MESSAGES = [Packet("/a", encode(Time()), (1_795_000_000 + n) * 1_000_000_000) for n in range(3)]
 CONTENT = b"".join(encode_event(number, one) for number, one in enumerate(MESSAGES))
@@ -35,20 +30,18 @@ CONTENT = b"".join(encode_event(number, one) for number, one in enumerate(MESSAG
     ],
     ids=lambda words: " ".join(words[:2]) if isinstance(words, tuple) else "",
 )
-def test_commands_read_standard_input(
-    words: tuple[str, ...], there: str, cli: Cli, tmp_path: Path
-) -> None:
+def test_commands_read_standard_input(words, there, cli, tmp_path):
     (tmp_path / "contract.yaml").write_text("topics: {/a: {min_messages: 3}}\n")
     result = cli(*(word.format(tmp_path) for word in words), input=CONTENT)
     assert result.code == 0, result
     assert there in result.out
 
 
-def test_an_empty_pipe_is_an_empty_log(cli: Cli) -> None:
+def test_an_empty_pipe_is_an_empty_log(cli):
     assert "in 0 messages" in cli("bag", "info", "-", input=b"").ok()
 
 
-def test_a_compressed_log_and_a_bad_one_are_told_apart(cli: Cli, tmp_path: Path) -> None:
+def test_a_compressed_log_and_a_bad_one_are_told_apart(cli, tmp_path):
     with LogWriter(tmp_path / "a.lcmlog.zst", compression="zstd") as log:
         for one in MESSAGES:
             log.add(one)
@@ -58,7 +51,7 @@ def test_a_compressed_log_and_a_bad_one_are_told_apart(cli: Cli, tmp_path: Path)
     assert_says(result.err, "not an LCM log", "gzip", "zcat")
 
 
-def test_a_named_pipe_is_read_to_its_end(cli: Cli, tmp_path: Path) -> None:
+def test_a_named_pipe_is_read_to_its_end(cli, tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     writer = threading.Thread(target=pipe.write_bytes, args=[CONTENT])
@@ -67,7 +60,7 @@ def test_a_named_pipe_is_read_to_its_end(cli: Cli, tmp_path: Path) -> None:
     writer.join()
 
 
-def test_an_index_needs_a_file(cli: Cli) -> None:
+def test_an_index_needs_a_file(cli):
     result = cli("bag", "reindex", "-", input=CONTENT)
     assert result.code == 1
     assert_says(result.err, "- is not a file", "beside a file")

@@ -1,7 +1,5 @@
 """Logs in Python: payloads that are no messages, and types of the user's own."""
 
-from pathlib import Path
-
 import pytest
 from fixtures.wire import encode_event
 
@@ -27,7 +25,7 @@ PAYLOADS = [  # as they may be in a log, and the reason why they are no message
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> Path:
+def log(tmp_path):
     path = tmp_path / "odd.lcmlog"
     events = (
         encode_event(number, Packet("/a", payload, number * 1_000_000_000))
@@ -37,7 +35,7 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
-def test_every_arrival_comes_with_its_payload(log: Path) -> None:
+def test_every_arrival_comes_with_its_payload(log):
     with lcmtools.bag.open(log) as opened:
         found = list(opened.messages(undecoded=True))
         assert [one.payload for one in opened.messages("/a", undecoded=True)] == [
@@ -52,14 +50,14 @@ def test_every_arrival_comes_with_its_payload(log: Path) -> None:
             assert isinstance(arrival.message, Time)
 
 
-def test_errors_are_handed_over(log: Path) -> None:
+def test_errors_are_handed_over(log):
     errors = list[DecodeError]()
     with lcmtools.bag.open(log) as opened:
         found = list(opened.messages(on_error=errors.append))
     assert (len(found), len(errors)) == (2, 5)
 
 
-def test_a_log_knows_the_users_own_types(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_log_knows_the_users_own_types(tmp_path, monkeypatch):
     (tmp_path / "own").mkdir()
     (tmp_path / "own" / "Only.lcm").write_text("package own;\nstruct Only { double x; }\n")
     monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path / "own"))
@@ -72,9 +70,9 @@ def test_a_log_knows_the_users_own_types(tmp_path: Path, monkeypatch: pytest.Mon
         with lcmtools.bag.open(path) as opened:
             assert opened.topics["/own"].types == ("own/Only",)
             (arrival,) = opened
-            assert arrival.message.x == 0.0  # type: ignore[attr-defined]
+            assert arrival.message.x == 0.0
         set_supply(None)
         (arrival,) = lcmtools.observe.messages("/own", log=path)
-        assert arrival.message.x == 0.0  # type: ignore[attr-defined]
+        assert arrival.message.x == 0.0
     finally:
         set_supply(None)

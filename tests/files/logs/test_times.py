@@ -1,12 +1,9 @@
 """Logs whose times go back, stand still, or lie before 1970."""
 
 import re
-from collections.abc import Callable
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
-from fixtures.command import Result
 from fixtures.says import assert_says
 from fixtures.wire import encode_event
 
@@ -17,12 +14,11 @@ from lcmtools.messages.codec import encode
 from lcmtools.types.builtin_interfaces import Time
 from lcmtools.wire.packet import Packet
 
-Cli = Callable[..., Result]
 S = 1_000_000_000
 T = 1_795_000_000  # [s]
 
 
-def log(path: Path, *times: float) -> str:
+def log(path, *times):
     events = (
         encode_event(number, Packet("/a", encode(Time()), round((T + time) * S)))
         for number, time in enumerate(times)
@@ -31,7 +27,7 @@ def log(path: Path, *times: float) -> str:
     return str(path)
 
 
-def due(player: Player, playlist: Playlist) -> list[tuple[float, float]]:
+def due(player, playlist):
     """When messages are due, and the time that /clock has then, both [s]."""
     found, now = [], 0
     while not player.is_over:
@@ -43,7 +39,7 @@ def due(player: Player, playlist: Playlist) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize("time", [0, -T, -T - 1000.25])  # now, 1970, and before
-def test_a_rate_needs_time(time: float, cli: Cli, tmp_path: Path) -> None:
+def test_a_rate_needs_time(time, cli, tmp_path):
     path = log(tmp_path / "one", *[time] * 3)
     for verb, noun in (("hz", "rate"), ("bw", "bandwidth")):
         result = cli(verb, "-b", path, "/a")
@@ -52,7 +48,7 @@ def test_a_rate_needs_time(time: float, cli: Cli, tmp_path: Path) -> None:
         assert cli(verb, "-b", path, "/a", "--json").out == ""
 
 
-def test_times_before_1970_are_right(cli: Cli, tmp_path: Path) -> None:
+def test_times_before_1970_are_right(cli, tmp_path):
     path = log(tmp_path / "old", *(-T - 1000.25 + number / 4 for number in range(5)))
     assert "average rate: 4.000" in cli("hz", "-b", path, "/a").ok()
     assert "average: 80.00B/s" in cli("bw", "-b", path, "/a").ok()
@@ -78,9 +74,7 @@ BACK = (3600, 3600.5, 3601, 0, 0.5, 1)
         ((0, 1, 0.5, 2), 1, (0, 1, 1, 2.5)),  # a little: a late message
     ],
 )
-def test_after_a_step_back_it_goes_on_at_once(
-    times: tuple[float, ...], rate: float, seconds: tuple[float, ...], tmp_path: Path
-) -> None:
+def test_after_a_step_back_it_goes_on_at_once(times, rate, seconds, tmp_path):
     said = list[str]()
     with Playlist([log(tmp_path / "back", *times)], Choice(), said.append) as playlist:
         player = Player(playlist.messages, playlist.span, rate=rate)
@@ -93,7 +87,7 @@ def test_after_a_step_back_it_goes_on_at_once(
     assert_says(line, "the times of", "go back", "lcmtools bag sort")
 
 
-def test_a_place_in_such_a_log_is_found(tmp_path: Path) -> None:
+def test_a_place_in_such_a_log_is_found(tmp_path):
     with Playlist([log(tmp_path / "back", *BACK)], Choice()) as playlist:
         start, end = playlist.span
         player = Player(playlist.messages, playlist.span)
@@ -106,16 +100,14 @@ def test_a_place_in_such_a_log_is_found(tmp_path: Path) -> None:
         assert sum(playlist.histogram(10)) == 6
 
 
-def test_the_step_is_found_in_an_indexed_log(cli: Cli, tmp_path: Path) -> None:
+def test_the_step_is_found_in_an_indexed_log(cli, tmp_path):
     path = log(tmp_path / "back", *BACK)
     cli("bag", "reindex", path).ok()
     with Playlist([path], Choice()) as playlist:
         assert len(due(Player(playlist.messages, playlist.span), playlist)) == 6
 
 
-def test_a_log_whose_times_go_back_an_hour_is_played_in_seconds(
-    cli: Cli, bus_url: str, tmp_path: Path
-) -> None:
+def test_a_log_whose_times_go_back_an_hour_is_played_in_seconds(cli, bus_url, tmp_path):
     path = log(tmp_path / "back", *(time / 10 if time < 100 else time for time in BACK))
     result = cli("bag", "play", path, env={"LCM_DEFAULT_URL": bus_url})
     assert_says(result.err, "go back, by up to 1h 00m")

@@ -1,7 +1,5 @@
 """ROS's definitions of a workspace: its std_msgs, and the reasons why a type is missing."""
 
-from pathlib import Path
-
 import pytest
 from fixtures.says import raises_saying
 
@@ -28,7 +26,7 @@ OWN = {
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     """A folder with the packages std_msgs and p."""
     for package, types in (("std_msgs", STD_MSGS), ("p", OWN)):
         (tmp_path / package / "msg").mkdir(parents=True)
@@ -37,23 +35,23 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def registry(folder: Path) -> Registry:
+def registry(folder):
     environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
     types = UserTypes(environment, [], FINGERPRINTS)
     return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
 
 
-def test_types_with_headers_and_times_can_be_used_beside_ros_own_std_msgs(folder: Path) -> None:
+def test_types_with_headers_and_times_can_be_used_beside_ros_own_std_msgs(folder):
     known = registry(folder)
     assert known.problems() == []
     stamped = known.message_class("p/Stamped")()
-    stamped.header.stamp.sec = 7  # type: ignore[attr-defined] # a class made at run time
-    assert type(stamped).decode(stamped.encode()).header.stamp.sec == 7  # type: ignore[attr-defined]
+    stamped.header.stamp.sec = 7
+    assert type(stamped).decode(stamped.encode()).header.stamp.sec == 7
     assert [type(known.message_class(f"p/{name}")()).__name__ for name in OWN] == list(OWN)
 
 
 @pytest.mark.parametrize("name", STD_MSGS)
-def test_ros_own_std_msgs_are_the_shipped_types_on_the_wire(folder: Path, name: str) -> None:
+def test_ros_own_std_msgs_are_the_shipped_types_on_the_wire(folder, name):
     message = registry(folder).message_class(f"std_msgs/{name}")
     assert message._get_packed_fingerprint() == FINGERPRINTS[f"std_msgs/{name}"].to_bytes(8, "big")
 
@@ -68,16 +66,14 @@ def test_ros_own_std_msgs_are_the_shipped_types_on_the_wire(folder: Path, name: 
     ],
     ids=["unknown", "constant", "nested", "missing"],
 )
-def test_reason_for_a_missing_type_is_its_first_cause(
-    folder: Path, files: dict[str, str], parts: tuple[str, ...]
-) -> None:
+def test_reason_for_a_missing_type_is_its_first_cause(folder, files, parts):
     for name, text in {**files, "Outer": "Inner inner"}.items():
         (folder / "p" / "msg" / f"{name}.msg").write_text(text)
     with raises_saying(LcmtoolsError, *parts):
         registry(folder).message_class("p/Outer")
 
 
-def test_file_to_be_named_is_a_msg_file(folder: Path) -> None:
+def test_file_to_be_named_is_a_msg_file(folder):
     (folder / "p" / "msg" / "Far.msg").write_text("elsewhere_msgs/Thingamabob x")
     parts = ("Far.msg:1", "'elsewhere_msgs/Thingamabob'", "name the folder of its .msg file too")
     with raises_saying(LcmtoolsError, *parts):

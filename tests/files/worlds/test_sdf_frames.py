@@ -1,7 +1,6 @@
 """Worlds of Gazebo: bodies are where Gazebo's rules put them, here computed by matrices."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import InvalidFile
 from lcmtools_sim.geometry import Frame, axes
-from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Sphere
 from lcmtools_sim.world_file import read_scene
 
@@ -19,7 +17,7 @@ BODY = "<collision name='c'><geometry><box><size>1 2 3</size></box></geometry></
 A, B, C = "1 2 3 0.1 0.2 0.3", "0.5 -1 2 -0.4 0.3 2", "-2 0.25 1 1 0.5 -0.7"
 
 
-def matrix(pose: str) -> Matrix:
+def matrix(pose):
     """The homogeneous matrix of a pose: fixed axes x, y, z in this order."""
     x, y, z, *angles = map(float, pose.split())
     turn = np.eye(3)
@@ -34,12 +32,12 @@ def matrix(pose: str) -> Matrix:
     return found
 
 
-def read(folder: Path, inside: str) -> Scene:
+def read(folder, inside):
     text = f"<sdf version='1.9'><world name='w'>\n{inside}\n</world></sdf>"
     return read_scene(text, str(folder / "yard.world"))
 
 
-def places(scene: Scene) -> dict[str, Matrix]:
+def places(scene):
     """The matrix of each body's first part in the world."""
     found = {}
     for thing in scene.objects:
@@ -50,7 +48,7 @@ def places(scene: Scene) -> dict[str, Matrix]:
     return found
 
 
-def model(name: str, inside: str, attributes: str = "") -> str:
+def model(name, inside, attributes=""):
     return f"<model name='{name}' {attributes}><static>1</static>{inside}</model>"
 
 
@@ -117,12 +115,12 @@ RELATIVE = {
 
 
 @pytest.mark.parametrize(("inside", "place"), RELATIVE.values(), ids=RELATIVE.keys())
-def test_poses_are_relative_to_any_frame(tmp_path: Path, inside: str, place: Matrix) -> None:
+def test_poses_are_relative_to_any_frame(tmp_path, inside, place):
     found = places(read(tmp_path, model("m", f"<pose>{C}</pose>{inside}")))
     assert found["m::l"] == pytest.approx(matrix(C) @ place)
 
 
-def test_models_are_relative_to_models_and_frames_of_the_world(tmp_path: Path) -> None:
+def test_models_are_relative_to_models_and_frames_of_the_world(tmp_path):
     link = f"<link name='l'>{BODY}</link>"
     inside = (
         model("a", f"<pose relative_to='b'>{A}</pose>{link}")
@@ -134,7 +132,7 @@ def test_models_are_relative_to_models_and_frames_of_the_world(tmp_path: Path) -
     assert found["a::l"] == pytest.approx(matrix(C) @ matrix(B) @ matrix(A))
 
 
-def test_a_placement_frame_is_what_the_pose_places(tmp_path: Path) -> None:
+def test_a_placement_frame_is_what_the_pose_places(tmp_path):
     links = f"<link name='k'><pose>{A}</pose></link><link name='l'>{BODY}</link>"
     (tmp_path / "m.sdf").write_text(f"<sdf version='1.9'>{model('m', links)}</sdf>")
     inside = (
@@ -161,7 +159,7 @@ STATE = f"""
 """
 
 
-def test_saved_state_places_models_and_links_in_the_world(tmp_path: Path) -> None:
+def test_saved_state_places_models_and_links_in_the_world(tmp_path):
     two = (
         f"<pose>{A}</pose><link name='k'><pose>{B}</pose>{BODY}</link>"
         f"<link name='o'><pose>{A}</pose>{BODY}</link>"
@@ -203,9 +201,7 @@ def test_saved_state_places_models_and_links_in_the_world(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     "normal", [(0, 0, 1), (1, 0, 0), (0, -2, 0), (1, 1, 1), (0, 0, -1), (-0.3, 0.2, -0.9)]
 )
-def test_a_plane_is_a_slab_behind_its_normal(
-    tmp_path: Path, normal: tuple[float, float, float]
-) -> None:
+def test_a_plane_is_a_slab_behind_its_normal(tmp_path, normal):
     words = " ".join(map(str, normal))
     plane = f"<plane><normal>{words}</normal><size>4 5</size></plane>"
     body = f"<collision name='c'><geometry>{plane}</geometry></collision>"
@@ -221,9 +217,7 @@ def test_a_plane_is_a_slab_behind_its_normal(
     ("turn", "normal", "is_ground"),
     [("0 0 0", "0 0 1", True), ("0 0 0", "1 0 0", False), ("0 -1.5707963 0", "1 0 0", True)],
 )
-def test_only_a_plane_that_faces_up_is_the_ground(
-    tmp_path: Path, turn: str, normal: str, *, is_ground: bool
-) -> None:
+def test_only_a_plane_that_faces_up_is_the_ground(tmp_path, turn, normal, *, is_ground):
     plane = f"<geometry><plane><normal>{normal}</normal></plane></geometry>"
     link = f"<link name='k'><collision name='c'>{plane}</collision></link>"
     scene = read(tmp_path, model("m", f"<pose>0 0 0 {turn}</pose>{link}"))
@@ -240,14 +234,12 @@ def test_only_a_plane_that_faces_up_is_the_ground(
         ("<capsule/>", Cylinder(0.5, 1.0)),
     ],
 )
-def test_shapes_without_a_size_have_sdfs_defaults(
-    tmp_path: Path, shape: str, expected: object
-) -> None:
+def test_shapes_without_a_size_have_sdfs_defaults(tmp_path, shape, expected):
     link = f"<link name='k'><collision name='c'><geometry>{shape}</geometry></collision></link>"
     assert read(tmp_path, model("m", link)).objects[0].parts[0].shape == expected
 
 
-def test_a_joint_to_no_link_is_left_out_by_name(tmp_path: Path) -> None:
+def test_a_joint_to_no_link_is_left_out_by_name(tmp_path):
     joint = "<joint name='{}' type='fixed'><parent>{}</parent><child>{}</child></joint>"
     inside = (
         f"<model name='m'><link name='a'>{BODY}</link><link name='b'>{BODY}</link>"
@@ -260,21 +252,21 @@ def test_a_joint_to_no_link_is_left_out_by_name(tmp_path: Path) -> None:
     assert_says(note, "left out", "joint m::lost, as there is no link m::nope (1)")
 
 
-def test_a_joint_between_models_is_counted(tmp_path: Path) -> None:
+def test_a_joint_between_models_is_counted(tmp_path):
     link = f"<link name='l'>{BODY}</link>"
     joint = "<joint name='j' type='fixed'><parent>a::l</parent><child>b::l</child></joint>"
     (note,) = read(tmp_path, f"{model('a', link)}{model('b', link)}{joint}").notes
     assert_says(note, "left out", "joint (1)")
 
 
-def test_an_endless_chain_of_frames_is_refused(tmp_path: Path) -> None:
+def test_an_endless_chain_of_frames_is_refused(tmp_path):
     chain = "".join(f"<frame name='f{i}' attached_to='f{i + 1}'/>" for i in range(2000))
     link = f"<link name='l'><pose relative_to='f0'/>{BODY}</link><frame name='f2000'/>"
     with raises_saying(InvalidFile, "yard.world:1", "too many frames"):
         read(tmp_path, model("m", chain + link))
 
 
-def test_comments_may_have_two_dashes(tmp_path: Path) -> None:
+def test_comments_may_have_two_dashes(tmp_path):
     link = f"<link name='k'>{BODY}</link>"
     text = f"<!-- a -- b\n --- --->{model('m', link)}<!-- <model -- > -->"
     assert len(read(tmp_path, text).objects) == 1
@@ -293,7 +285,7 @@ def test_comments_may_have_two_dashes(tmp_path: Path) -> None:
         ("<frame name='ff'/>", "no frame 'f' in <model name='m'>; did you mean ff?"),
     ],
 )
-def test_frames_that_are_nowhere_are_named(tmp_path: Path, inside: str, reason: str) -> None:
+def test_frames_that_are_nowhere_are_named(tmp_path, inside, reason):
     link = f"<link name='l'><pose relative_to='f'/>{BODY}</link>"
     with raises_saying(InvalidFile, "yard.world:2", reason):
         read(tmp_path, model("m", inside + link))

@@ -16,20 +16,20 @@ _WRONG = ("drop_at", "late_at", "raise_at", "hang_at", "exit_at", "subscribe_at"
 class Doubler(Node):
     """Publishes on "out" twice what comes on "in"; with a timer, the time on "ticks"."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__("doubler")
         self._gain = self.declare_parameter("gain", 2.0)
         self._at = {name: self.declare_parameter(name, 0) for name in _WRONG}
         self._period = self.declare_parameter("period", 0.0)
         self._count = 0
-        self._kept: list[float] = []
+        self._kept = []
         self._out = self.create_publisher(Float64, "out")
         self.create_subscription(Float64, "in", self._double)
         if self._period.value:
             self._ticks = self.create_publisher(Header, "ticks")
             self.create_timer(self._period.value, self._tick)
 
-    def _double(self, message: Float64) -> None:
+    def _double(self, message):
         self._count += 1
         is_now = {name: self._count == at.value for name, at in self._at.items()}
         if is_now["raise_at"]:
@@ -51,13 +51,13 @@ class Doubler(Node):
                 self._out.publish(Float64(data=data * self._gain.value))
             self._kept.clear()
 
-    def _tick(self) -> None:
+    def _tick(self):
         header = Header()
         header.stamp.sec, header.stamp.nsec = divmod(self.get_clock().now(), 10**9)
         self._ticks.publish(header)
 
 
-def chatter(node: Node) -> None:
+def chatter(node):
     """Publish by the computer's clock."""
     publisher = node.create_publisher(Float64, "chatter")
     while lcmtools.ok():
@@ -65,7 +65,7 @@ def chatter(node: Node) -> None:
         time.sleep(0.05)
 
 
-def main() -> None:
+def main():
     """Run it until Ctrl-C; arguments let a "thread" publish, or a "loop" that does not spin."""
     rest = lcmtools.init()
     node = Doubler()

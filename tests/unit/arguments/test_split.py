@@ -59,7 +59,7 @@ from lcmtools.errors import UsageError
         (["__log:=/tmp/x", "__ip:=1.2.3.4", "__hostname:=h", "__master:=m"], NodeArguments()),
     ],
 )
-def test_everything_about_names_is_taken_out(words: list[str], said: NodeArguments) -> None:
+def test_everything_about_names_is_taken_out(words, said):
     assert split_arguments(words) == (said, [])
 
 
@@ -71,19 +71,19 @@ def test_everything_about_names_is_taken_out(words: list[str], said: NodeArgumen
         "[1,2]", "a\n:=b",
     ],
 )  # fmt: skip
-def test_everything_else_stays_where_it_was(word: str) -> None:
+def test_everything_else_stays_where_it_was(word):
     said, rest = split_arguments(["first", word, "last"])
     assert said == NodeArguments()
     assert rest == ["first", word, "last"]
 
 
-def test_taken_words_may_stand_anywhere() -> None:
+def test_taken_words_may_stand_anywhere():
     said, rest = split_arguments(["x", "a:=b", "y", "--ns", "/h", "z", "_p:=1"])
     assert rest == ["x", "y", "z"]
     assert said == NodeArguments(namespace="/h", remaps=(("a", "b"),), parameters={"p": "1"})
 
 
-def test_nothing_is_taken_after_a_double_dash() -> None:
+def test_nothing_is_taken_after_a_double_dash():
     said, rest = split_arguments(["a:=b", "--", "c:=d", "--ns", "--", "/x"])
     assert said == NodeArguments(remaps=(("a", "b"),))
     assert rest == ["--", "c:=d", "--ns", "--", "/x"]
@@ -92,7 +92,7 @@ def test_nothing_is_taken_after_a_double_dash() -> None:
 @pytest.mark.parametrize(
     "flag", ["--ns", "--name", "--param", "--remap", "-r", "--lcm-url", "--domain"]
 )
-def test_a_flag_without_its_value_is_refused_with_an_example(flag: str) -> None:
+def test_a_flag_without_its_value_is_refused_with_an_example(flag):
     with pytest.raises(UsageError, match="needs a value") as caught:
         split_arguments(["x", flag])
     assert f"for example {flag} " in caught.value.hint
@@ -100,20 +100,20 @@ def test_a_flag_without_its_value_is_refused_with_an_example(flag: str) -> None:
 
 @pytest.mark.parametrize("flag", ["--param", "--remap", "-r"])
 @pytest.mark.parametrize("value", ["a", "a=b", ":=b", "1a:=b", ""])
-def test_a_flag_that_wants_an_assignment_says_so(flag: str, value: str) -> None:
+def test_a_flag_that_wants_an_assignment_says_so(flag, value):
     with pytest.raises(UsageError, match="expected two names with := between") as caught:
         split_arguments([flag, value])
     assert flag in caught.value.hint
 
 
-def test_an_unknown_special_name_is_refused() -> None:
+def test_an_unknown_special_name_is_refused():
     with pytest.raises(UsageError, match="no such special name") as caught:
         split_arguments(["__nmae:=x"])
     assert "__ns, __name" in caught.value.hint
 
 
 @given(st.lists(st.text(max_size=12) | st.sampled_from(["--ns", "-r", "a:=b", "--", "_x:=1"])))
-def test_any_argument_list_is_refused_or_keeps_its_own_words_in_order(words: list[str]) -> None:
+def test_any_argument_list_is_refused_or_keeps_its_own_words_in_order(words):
     try:
         _, rest = split_arguments(words)
     except UsageError:
@@ -145,12 +145,12 @@ def test_any_argument_list_is_refused_or_keeps_its_own_words_in_order(words: lis
         ("--ros-args a:=b", "--ros-args", "names and remaps need none: leave it out"),
     ],
 )
-def test_an_assignment_that_is_misspelt_is_told(typed: str, unknown: str, hint: str) -> None:
+def test_an_assignment_that_is_misspelt_is_told(typed, unknown, hint):
     assert misspelt(typed.split(), unknown) == hint
 
 
 @pytest.mark.parametrize(
     ("word", "expected"), [("__ns=/a", True), (":=b", True), ("a=b", False), ("--ns", False)]
 )
-def test_words_that_are_meant_for_every_node_can_be_told(word: str, *, expected: bool) -> None:
+def test_words_that_are_meant_for_every_node_can_be_told(word, *, expected):
     assert looks_special(word) is expected

@@ -20,5 +20,5 @@ TEXTS = st.text(min_size=1, max_size=8)
         domain=st.none() | TEXTS,
     )
 )
-def test_the_words_of_a_value_are_read_as_it(arguments: NodeArguments) -> None:
+def test_the_words_of_a_value_are_read_as_it(arguments):
     assert split_arguments(arguments.words()) == (arguments, [])

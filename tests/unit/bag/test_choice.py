@@ -42,23 +42,21 @@ _GRAPH = Graph(
         (("EXAMPLE",), {"nodes": ["driver"]}, ["/husky0/odometry", "/other", "EXAMPLE"]),
     ],
 )
-def test_topics_are_chosen_by_name_pattern_and_node(
-    topics: tuple[str, ...], options: dict[str, object], wanted: list[str]
-) -> None:
-    choice = RecordedTopics(topics, _NAMES, **options)  # type: ignore[arg-type]
+def test_topics_are_chosen_by_name_pattern_and_node(topics, options, wanted):
+    choice = RecordedTopics(topics, _NAMES, **options)
     choice.update(_GRAPH)
     assert [channel for channel in _CHANNELS if choice.includes(channel)] == wanted
 
 
-def test_the_protocol_of_announcements_is_never_among_the_messages() -> None:
+def test_the_protocol_of_announcements_is_never_among_the_messages():
     assert not RecordedTopics((), _NAMES, hidden=True).includes("/_lcmtools/node")
 
 
-def test_topics_that_are_named_are_known_before_they_are_published() -> None:
+def test_topics_that_are_named_are_known_before_they_are_published():
     assert "/husky0/scan" in RecordedTopics(("scan",), _NAMES).update(Graph())
 
 
-def test_a_node_that_is_not_there_is_named() -> None:
+def test_a_node_that_is_not_there_is_named():
     choice = RecordedTopics((), _NAMES, nodes=["drivver", "/husky0/driver", "/*/d*"])
     (line,) = choice.silent(_GRAPH)
     assert_says(line, "no node", "drivver", "did you mean /husky0/driver?")

@@ -1,7 +1,5 @@
 """Commands among the topics that are played: who would obey, and what stands at the end."""
 
-from pathlib import Path
-
 import pytest
 from fixtures.says import assert_says
 
@@ -16,7 +14,7 @@ from lcmtools.bag.commands import (
 from lcmtools.bag.playlist import Track
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.registry import Message, fingerprint, message_class, type_name
+from lcmtools.messages.registry import fingerprint, message_class, type_name
 from lcmtools.messages.supply import set_supply
 from lcmtools.packages import provide_user_types
 from lcmtools.types.geometry_msgs import Pose, Twist, TwistStamped
@@ -27,21 +25,21 @@ HOST = Node("/robot", "1", "elsewhere", 12)
 SENDER = Sender("10.0.0.9", 4000)
 
 
-def track(topic: str, kind: type[Message] | None = Twist) -> Track:
+def track(topic, kind=Twist):
     if kind is None:
         return Track(topic, topic, 1)
     return Track(topic, topic, 1, type_name(kind), fingerprint(kind))
 
 
-def with_ends(node: Node, *ends: Endpoint) -> Node:
+def with_ends(node, *ends):
     return node._replace(endpoints=ends)
 
 
-def subscriber(topic: str, node: Node = HOST) -> Node:
+def subscriber(topic, node=HOST):
     return with_ends(node, Endpoint(topic, Role.SUBSCRIBER))
 
 
-def publisher(topic: str, node: Node = HOST) -> Node:
+def publisher(topic, node=HOST):
     return with_ends(node, Endpoint(topic, Role.PUBLISHER))
 
 
@@ -66,10 +64,10 @@ SIMULATOR = with_ends(
     ],
 )
 def test_a_command_is_told_by_its_type_or_name(
-    topic: str,
-    kind: type[Message] | None,
-    expected: bool,  # noqa: FBT001 - from the table
-) -> None:
+    topic,
+    kind,
+    expected,
+):
     assert is_command(track(topic, kind)) is expected
 
 
@@ -85,21 +83,21 @@ def test_a_command_is_told_by_its_type_or_name(
         (subscriber("/a")._replace(tool=True), None),
     ],
 )
-def test_reasons_not_to_play(node: Node, reason: str | None) -> None:
+def test_reasons_not_to_play(node, reason):
     tracks = [track("/a"), track("/c", JointState)]
     found = conflicts(Graph((node,)), tracks)
     assert [one.reason for one in found] == ([reason] if reason else [])
     assert way_out(found, tracks) == ("-x /a" if reason else "")
 
 
-def test_the_remedy_for_a_channel_that_is_no_name_can_be_typed() -> None:
+def test_the_remedy_for_a_channel_that_is_no_name_can_be_typed():
     tracks = [track("a b"), track("/c")]
     found = conflicts(Graph((publisher("a b"),)), tracks)
     assert way_out(found, tracks) == "-x 'a b'"
     assert way_out(found, tracks[:1]) == "--ns /replay", "else nothing would be left"
 
 
-def test_a_busy_bus_is_refused_in_three_lines() -> None:
+def test_a_busy_bus_is_refused_in_three_lines():
     names = [f"/{letter}" for letter in "abcdef"]
     found = [Conflict(name, name, "/sim (vm, pid 1)", obeys=False) for name in names]
     found.append(Conflict("/cmd_vel", "/cmd_vel", "/sim (vm, pid 1)", obeys=True))
@@ -114,36 +112,36 @@ def test_a_busy_bus_is_refused_in_three_lines() -> None:
     assert reasons([]) == []
 
 
-def test_a_simulator_obeys_whatever_it_subscribes_to() -> None:
+def test_a_simulator_obeys_whatever_it_subscribes_to():
     assert len(conflicts(Graph((SIMULATOR,)), [track("/a", JointState)])) == 1
     assert conflicts(Graph((subscriber("/a"),)), [track("/a", JointState)]) == []
 
 
-def test_a_program_that_is_no_node_publishes_too() -> None:
+def test_a_program_that_is_no_node_publishes_too():
     seen = Traffic("/a", SENDER, (), 1, 8, 0, 0)
     found = conflicts(Graph((), (seen,)), [track("/a")])
     (conflict,) = found
     assert_says(conflict.reason, "/a", "published", "10.0.0.9", "4000")
 
 
-def test_the_players_own_messages_do_not_count() -> None:
+def test_the_players_own_messages_do_not_count():
     own = publisher("/a")._replace(name="/player", sender=SENDER)
     seen = Traffic("/a", SENDER, (), 1, 8, 0, 0)
     assert conflicts(Graph((own,), (seen,)), [track("/a")], own="/player") == []
     assert len(conflicts(Graph((own,), (seen,)), [track("/a")])) == 1
 
 
-def test_all_nodes_may_share_rosout() -> None:
+def test_all_nodes_may_share_rosout():
     assert conflicts(Graph((publisher("/rosout"),)), [track("/rosout", None)]) == []
 
 
-def twist(forward: float) -> bytes:
+def twist(forward):
     message = Twist()
     message.linear.x = forward
     return encode(message)
 
 
-def test_the_last_command_stands_until_it_is_zero() -> None:
+def test_the_last_command_stands_until_it_is_zero():
     commands = LastCommands([track("/a"), track("/b")])
     graph = Graph((subscriber("/a"),))
     commands.add("/a", twist(1.0))
@@ -158,7 +156,7 @@ def test_the_last_command_stands_until_it_is_zero() -> None:
     assert commands.pop(graph, heard=False) == []
 
 
-def test_programs_that_are_no_nodes_may_obey_what_is_a_command() -> None:
+def test_programs_that_are_no_nodes_may_obey_what_is_a_command():
     commands = LastCommands([track("/b"), track("/c", JointState)])
     state = JointState()
     state.effort, state.name = [1.0], ["wheel"]
@@ -167,7 +165,7 @@ def test_programs_that_are_no_nodes_may_obey_what_is_a_command() -> None:
     assert [one.topic for one in commands.pop(Graph(), heard=True)] == ["/b"]
 
 
-def test_efforts_are_stopped_by_zeros_for_the_same_joints() -> None:
+def test_efforts_are_stopped_by_zeros_for_the_same_joints():
     commands = LastCommands([track("/wheel_cmd", JointState)])
     state = JointState()
     state.header.seq, state.effort, state.name = 7, [1.0, -1.0], ["left", "right"]
@@ -180,7 +178,7 @@ def test_efforts_are_stopped_by_zeros_for_the_same_joints() -> None:
     assert one.typed.endswith("""'{"name":["left","right"],"effort":[0,0]}'""")
 
 
-def test_zero_is_no_stop_for_a_position() -> None:
+def test_zero_is_no_stop_for_a_position():
     commands = LastCommands([track("/arm_cmd", JointState), track("/x_cmd", None)])
     state = JointState()
     state.position = [1.5]
@@ -216,9 +214,7 @@ def test_zero_is_no_stop_for_a_position() -> None:
         ("width", "width 2"),
     ],
 )
-def test_times_numbers_and_names_are_no_motion(
-    field: str, shown: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_times_numbers_and_names_are_no_motion(field, shown, monkeypatch, tmp_path):
     (tmp_path / "drive_t.lcm").write_text(f"package own; struct drive_t {{ int64_t {field}; }}")
     monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

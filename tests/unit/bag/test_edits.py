@@ -24,20 +24,20 @@ _ONE, _OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
 _TYPE = RecordedType("a_msgs/A", 5, "a_msgs/A.lcm", "package a_msgs; struct A { int8_t a; }")
 
 
-def _number(value: float) -> bytes:
+def _number(value):
     message = Float64()
     message.data = value
     return encode(message)
 
 
-def _text(text: str) -> bytes:
+def _text(text):
     message = String()
     message.data = text
     return encode(message)
 
 
 @pytest.fixture(autouse=True)
-def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def path(tmp_path, monkeypatch):
     """A log of 100 s: /a/number at 10 Hz and /chatter at 1 Hz, by two senders."""
     monkeypatch.chdir(tmp_path)
     with LogWriter("in.lcmlog") as log:
@@ -60,20 +60,20 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "in.lcmlog"
 
 
-def _read(name: str) -> list[Packet]:
+def _read(name):
     with LogFile(name) as log:
         return list(log.packets())
 
 
-def _bag(*words: str) -> None:
+def _bag(*words):
     assert main(["bag", *words]) == 0
 
 
-def _times(packets: list[Packet]) -> list[float]:
+def _times(packets):
     return [(packet.time - _START) / 1e9 for packet in packets]
 
 
-def test_filter_keeps_what_meets_the_condition_with_its_senders() -> None:
+def test_filter_keeps_what_meets_the_condition_with_its_senders():
     _bag("filter", "in.lcmlog", "out.lcmlog", "m.data >= 990 or data == 5", "-t", "/a")
     found = _read("out.lcmlog")
     assert [packet.payload for packet in found] == [_number(n) for n in (5, *range(990, 1000))]
@@ -93,9 +93,7 @@ def test_filter_keeps_what_meets_the_condition_with_its_senders() -> None:
         ("/a", "m.data >= 990", "--keep-others", "-x", "/none/**"),
     ],
 )
-def test_a_condition_for_one_topic_keeps_the_others(
-    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_condition_for_one_topic_keeps_the_others(words, capsys):
     is_wrong = "-x" in words  # there is no such topic
     assert main(["bag", "filter", "in.lcmlog", "out.lcmlog", *words]) == is_wrong
     if is_wrong:
@@ -108,7 +106,7 @@ def test_a_condition_for_one_topic_keeps_the_others(
     assert len(found) == 110
 
 
-def test_a_condition_after_a_topic_is_for_it_alone(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_condition_after_a_topic_is_for_it_alone(capsys):
     _bag("filter", "in.lcmlog", "out.lcmlog", "/a/number", "m.data >= 990")
     assert {packet.channel for packet in _read("out.lcmlog")} == {"/a/number"}
     for words in (["m.data > 1", "--keep-others"], ["--keep-others"], ["/a", "/b", "m.data > 1"]):
@@ -116,27 +114,27 @@ def test_a_condition_after_a_topic_is_for_it_alone(capsys: pytest.CaptureFixture
     assert_says(capsys.readouterr().err, "name a topic and its condition", "too many arguments: /b")
 
 
-def test_filter_leaves_out_topics_and_times() -> None:
+def test_filter_leaves_out_topics_and_times():
     _bag("filter", "in.lcmlog", "out.lcmlog", "-x", "/a", "-s", "10s", "-e", "end-10s")
     found = _read("out.lcmlog")
     assert {packet.channel for packet in found} == {"/chatter"}
     assert _times(found) == list(range(10, 90))
 
 
-def test_filter_says_how_topics_and_times_are_chosen(capsys: pytest.CaptureFixture[str]) -> None:
+def test_filter_says_how_topics_and_times_are_chosen(capsys):
     assert main(["bag", "filter", "in.lcmlog", "out.lcmlog", "topic == '/a' and t.secs > 3"]) == 2
     assert capsys.readouterr().err.endswith("; -t chooses topics, -s and -e times\n")
     assert not Path("out.lcmlog").exists()
 
 
-def test_cut_takes_a_part() -> None:
+def test_cut_takes_a_part():
     _bag("cut", "in.lcmlog", "out.lcmlog", "-s", "end-50s", "-d", "1s")
     assert _times(_read("out.lcmlog")) == pytest.approx(
         [49.9 + n / 10 for n in (0, 1, 1, *range(2, 11))]
     )
 
 
-def test_a_part_has_the_losses_of_its_times_and_senders() -> None:
+def test_a_part_has_the_losses_of_its_times_and_senders():
     one, other = _ONE._replace(name="/driver"), _OTHER._replace(name="talker.py")
     _bag("cut", "in.lcmlog", "early.lcmlog", "-e", "50s")
     with LogFile("early.lcmlog") as log:
@@ -151,7 +149,7 @@ def test_a_part_has_the_losses_of_its_times_and_senders() -> None:
         assert log.losses() == {one: Loss(2, 202), other: Loss(0, 80)}
 
 
-def test_rename_changes_announcements_too() -> None:
+def test_rename_changes_announcements_too():
     _bag("rename", "in.lcmlog", "out.lcmlog", "/a/:=/b/c/", "/chatter:=/words")
     assert {packet.channel for packet in _read("out.lcmlog")} == {"/b/c/number", "/words"}
     with LogFile("out.lcmlog") as log:
@@ -169,13 +167,13 @@ def test_rename_changes_announcements_too() -> None:
         (["/a"], "'/a' is not a rename; write OLD:=NEW, or /old/:=/new/"),
     ],
 )
-def test_wrong_renames(words: list[str], error: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_renames(words, error, capsys):
     assert main(["bag", "rename", "in.lcmlog", "out.lcmlog", *words]) != 0
     assert capsys.readouterr().err == f"lcmtools bag rename: {error}\n"
     assert not Path("out.lcmlog").exists()
 
 
-def test_shift_moves_messages_and_announcements() -> None:
+def test_shift_moves_messages_and_announcements():
     _bag("shift", "in.lcmlog", "out.lcmlog", "--by", "-1.5s")
     assert _times(_read("out.lcmlog"))[0] == -1.5
     with LogFile("out.lcmlog") as log:
@@ -184,13 +182,13 @@ def test_shift_moves_messages_and_announcements() -> None:
     assert _read("out.lcmlog")[0].time == 1_000_000_000 * _SECOND
 
 
-def test_a_shift_that_no_log_can_hold_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_shift_that_no_log_can_hold_is_refused(capsys):
     Path("far").write_bytes(encode_event(0, Packet("/a", b"", (2**63 - 1) * 1000)))
     assert main(["bag", "shift", "far", "out.lcmlog", "--by", "1s"]) == 2
     assert_says(capsys.readouterr().err, "times", "1970")
 
 
-def test_downsample_is_not_slowed_by_the_grid_of_the_messages() -> None:
+def test_downsample_is_not_slowed_by_the_grid_of_the_messages():
     _bag("downsample", "in.lcmlog", "out.lcmlog", "--rate", "4", "-t", "/a/number")
     counts = [packet.channel for packet in _read("out.lcmlog")]
     assert counts.count("/a/number") in (399, 400)
@@ -200,7 +198,7 @@ def test_downsample_is_not_slowed_by_the_grid_of_the_messages() -> None:
     assert (counts.count("/a/number"), counts.count("/chatter")) == (143, 15)
 
 
-def test_parts_merge_to_the_whole_and_sort() -> None:
+def test_parts_merge_to_the_whole_and_sort():
     _bag("filter", "in.lcmlog", "a.lcmlog", "-t", "/a")
     _bag("filter", "in.lcmlog", "b.lcmlog", "-x", "/a")
     _bag("merge", "a.lcmlog", "b.lcmlog", "-o", "out.lcmlog")
@@ -211,7 +209,7 @@ def test_parts_merge_to_the_whole_and_sort() -> None:
     assert len(_read("sorted")) == 1100
 
 
-def test_fix_says_what_it_leaves_out(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_fix_says_what_it_leaves_out(path, capsys):
     data = bytearray(path.read_bytes())
     with LogFile(path) as log:
         places = list(log.events())
@@ -236,7 +234,7 @@ def test_fix_says_what_it_leaves_out(path: Path, capsys: pytest.CaptureFixture[s
     assert f"bytes {places[500].start} to {places[503].start - 1}, after " in out
 
 
-def test_senders_are_not_guessed_where_events_are_damaged() -> None:
+def test_senders_are_not_guessed_where_events_are_damaged():
     with LogWriter("two.lcmlog") as log:
         numbers = log.sender_number(_ONE, "/one"), log.sender_number(_OTHER, "/other")
         for n in range(10):
@@ -253,7 +251,7 @@ def test_senders_are_not_guessed_where_events_are_damaged() -> None:
     assert len(found) == 19
 
 
-def test_an_existing_target_stays_unless_forced(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_existing_target_stays_unless_forced(capsys):
     Path("out.lcmlog").write_text("mine")
     assert main(["bag", "sort", "in.lcmlog", "out.lcmlog"]) == 1
     assert_says(capsys.readouterr().err, "lcmtools bag sort: out.lcmlog exists; ", "--force\n")

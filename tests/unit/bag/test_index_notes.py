@@ -1,9 +1,7 @@
 """A recorder's notes on senders, without a bus."""
 
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.writer import LogWriter
@@ -15,9 +13,9 @@ from lcmtools.wire.packet import Packet, Sender
 _SENDERS = _HERE, _RELAY = Sender("10.0.0.1", 1), Sender("10.0.0.1", 2)
 
 
-def test_a_node_that_left_behind_a_relay_gives_the_relay_no_name(tmp_path: Path) -> None:
+def test_a_node_that_left_behind_a_relay_gives_the_relay_no_name(tmp_path):
     graph = SimpleNamespace(nodes=())
-    monitor: Any = SimpleNamespace(losses=dict, types_of=lambda _: (), graph=lambda: graph)
+    monitor = SimpleNamespace(losses=dict, types_of=lambda _: (), graph=lambda: graph)
     near = Node("/near", "1", "ada", 7)
     far = Node("/far", "2", "bob", 7, path=(RelayStep("r", "/relay", "0"),))
     path = tmp_path / "a.lcmlog"

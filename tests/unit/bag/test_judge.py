@@ -17,7 +17,7 @@ _SECOND = 1_000_000_000
 Captured = pytest.CaptureFixture[str]
 
 
-def _write(path: str, numbers: list[int], late: int = 0) -> None:
+def _write(path, numbers, late=0):
     with LogWriter(path) as log:
         sender = log.sender_number(Sender("127.0.0.1", 1), "/driver")
         message = Float64()
@@ -30,19 +30,19 @@ def _write(path: str, numbers: list[int], late: int = 0) -> None:
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     _write("a.lcmlog", [*range(50), *range(60, 100)])
 
 
-def _check(contract: str, capsys: Captured) -> tuple[int, list[str]]:
+def _check(contract, capsys):
     Path("c.yaml").write_text(contract)
     code = main(["bag", "check", "a.lcmlog", "--against", "c.yaml"])
     out, error = capsys.readouterr()
     return code, (out + error).splitlines()
 
 
-def test_a_log_that_keeps_its_contract(capsys: Captured) -> None:
+def test_a_log_that_keeps_its_contract(capsys):
     contract = (
         "topics:\n  /speed:\n    type: std_msgs/Float64\n    min_rate: 8\n    max_rate: 10\n"
         "    max_gap: 1.2\n  /r*:\n  /none:\n    max_messages: 0\n"
@@ -67,11 +67,11 @@ def test_a_log_that_keeps_its_contract(capsys: Captured) -> None:
         ("topics:\n  /none:\n", "/none: there are no messages"),
     ],
 )
-def test_a_broken_term_is_named_with_its_line(contract: str, text: str, capsys: Captured) -> None:
+def test_a_broken_term_is_named_with_its_line(contract, text, capsys):
     assert _check(contract, capsys) == (1, [f"FAIL {text} (c.yaml:2)"])
 
 
-def test_terms_of_the_whole_log(capsys: Captured) -> None:
+def test_terms_of_the_whole_log(capsys):
     contract = "topics:\n  /speed:\nothers: false\nmax_lost: 1\nmin_duration: 60\n"
     code, (lost, short, extra) = _check(contract, capsys)
     assert code == 1
@@ -103,13 +103,13 @@ def test_terms_of_the_whole_log(capsys: Captured) -> None:
         ),
     ],
 )
-def test_a_wrong_contract_is_refused(contract: str, error: str, capsys: Captured) -> None:
+def test_a_wrong_contract_is_refused(contract, error, capsys):
     code, rows = _check(contract, capsys)
     assert code == 2
     assert " ".join(rows) == f"lcmtools bag check: {' '.join(error.split())}"
 
 
-def test_diff_compares_topic_by_topic(capsys: Captured) -> None:
+def test_diff_compares_topic_by_topic(capsys):
     _write("b.lcmlog", [*range(50), *range(61, 101)])
     assert main(["bag", "diff", "a.lcmlog", "a.lcmlog"]) == 0
     assert capsys.readouterr().out == ""
@@ -123,7 +123,7 @@ def test_diff_compares_topic_by_topic(capsys: Captured) -> None:
     assert main(["bag", "diff", "a.lcmlog", "late.lcmlog", "--ignore-times"]) == 0
 
 
-def test_du_lists_the_largest_topic_first(capsys: Captured) -> None:
+def test_du_lists_the_largest_topic_first(capsys):
     assert main(["bag", "du", "a.lcmlog"]) == 0
     rows = [row.split() for row in capsys.readouterr().out.splitlines()]
     assert [row[-1] for row in rows] == ["/speed", "/raw"]

@@ -1,11 +1,9 @@
 """What was latched before the start of a part of a log: it comes first."""
 
 import json
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says
@@ -40,20 +38,20 @@ _MESSAGES = (  # time, topic, text, index of the sender
 _LATCHED = ("map", "laser", "camera")
 
 
-def _announced(number: int, *topics: str, leaving: bool = False) -> bytes:
+def _announced(number, *topics, leaving=False):
     ends = tuple(Endpoint(topic, Role.PUBLISHER, latched=True) for topic in topics)
     node = Node(f"/node{number}", str(number), "ada", number, endpoints=ends)
     return encode_announcement(Announcement(node, leaving=leaving))
 
 
-def _packets() -> Iterator[Packet]:
+def _packets():
     for time, topic, text, sender in sorted(_MESSAGES):
         payload = encode(String(data=text))
         yield Packet(topic, payload, _START + round(time * _S), _SENDERS[sender])
 
 
 @pytest.fixture(autouse=True)
-def _log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _log(tmp_path, monkeypatch):
     """``in.lcmlog``, with announcements in its index; ``plain.lcmlog``, as lcm-logger writes it."""
     monkeypatch.chdir(tmp_path)
     with LogWriter("in.lcmlog") as log:
@@ -69,7 +67,7 @@ def _log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("plain.lcmlog").write_bytes(b"".join(events))
 
 
-def _texts(path: str) -> list[tuple[float, str]]:
+def _texts(path):
     with LogFile(path) as log:
         return [
             ((one.time - _START) / _S, String.decode(one.payload).data) for one in log.packets()
@@ -86,7 +84,7 @@ def _texts(path: str) -> list[tuple[float, str]]:
         ("downsample in.lcmlog out.lcmlog -r 0.5 -s 4s", 4, ["4", "6", "new map", "8"]),
     ],
 )
-def test_a_part_begins_with_what_was_latched(command: str, start: float, left: list[str]) -> None:
+def test_a_part_begins_with_what_was_latched(command, start, left):
     assert main(["bag", *command.split()]) == 0
     found = _texts("out.lcmlog")
     assert found[:3] == [(start, text) for text in _LATCHED]
@@ -95,7 +93,7 @@ def test_a_part_begins_with_what_was_latched(command: str, start: float, left: l
     assert [text for _, text in _texts("again.lcmlog")[:3]] == [*_LATCHED]  # it knows, too
 
 
-def test_an_export_of_a_part_begins_with_what_was_latched() -> None:
+def test_an_export_of_a_part_begins_with_what_was_latched():
     assert main(["bag", "export", "in.lcmlog", "out.jsonl", "-s", "7s", "-t", "/map"]) == 0
     rows = [json.loads(line) for line in Path("out.jsonl").read_text().splitlines()]
     assert [row["message"]["data"] for row in rows] == ["map", "new map"]
@@ -106,19 +104,19 @@ def test_an_export_of_a_part_begins_with_what_was_latched() -> None:
     "command",
     ["cut {} out -s 5s", "filter {} out -s 5s", "export {} out.jsonl -s 5s"],
 )
-def test_a_log_that_cannot_tell_says_so(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_log_that_cannot_tell_says_so(command, capsys):
     assert main(["bag", *command.format("plain.lcmlog").split()]) == 0
     assert_says(capsys.readouterr().err, "plain.lcmlog does not tell what was latched; ")
     assert main(["bag", "sort", "plain.lcmlog", "sorted.lcmlog"]) == 0
     assert not capsys.readouterr().err
 
 
-def _played(player: Player, count: int) -> list[str]:
+def _played(player, count):
     found = [player.pop_due(0) for _ in range(count)]
     return [String.decode(one.payload).data for one in found if one]
 
 
-def test_playing_from_a_time_a_seek_and_a_loop_begin_with_what_was_latched() -> None:
+def test_playing_from_a_time_a_seek_and_a_loop_begin_with_what_was_latched():
     with Playlist(["in.lcmlog"], Choice()) as playlist:
         assert {track.topic for track in playlist.tracks if track.is_latched} == {
             *("/map", "/tf_static", "/gone")
@@ -137,9 +135,9 @@ def test_playing_from_a_time_a_seek_and_a_loop_begin_with_what_was_latched() -> 
         assert_says(*playlist.untold(), "plain.lcmlog does not tell what was latched")
 
 
-def test_what_was_latched_in_a_pause_of_a_recording_follows_it() -> None:
-    monitor: Any = SimpleNamespace(losses=dict, types_of=lambda _: ())
-    graph: Any = SimpleNamespace(topics=lambda: [SimpleNamespace(name="/map", is_latched=True)])
+def test_what_was_latched_in_a_pause_of_a_recording_follows_it():
+    monitor = SimpleNamespace(losses=dict, types_of=lambda _: ())
+    graph = SimpleNamespace(topics=lambda: [SimpleNamespace(name="/map", is_latched=True)])
     with ThreadPoolExecutor(1) as worker, LogWriter("paused.lcmlog") as writer:
         notes = IndexNotes(monitor, worker)
         notes.update(graph)
@@ -150,9 +148,9 @@ def test_what_was_latched_in_a_pause_of_a_recording_follows_it() -> None:
     assert _texts("paused.lcmlog") == [(8.0, "map"), (8.0, "8"), (9.0, "9"), (9.0, "9")]
 
 
-def test_a_snapshot_begins_with_what_was_latched_before_it() -> None:
-    monitor: Any = SimpleNamespace(losses=dict, types_of=lambda _: ())
-    graph: Any = SimpleNamespace(topics=lambda: [SimpleNamespace(name="/map", is_latched=True)])
+def test_a_snapshot_begins_with_what_was_latched_before_it():
+    monitor = SimpleNamespace(losses=dict, types_of=lambda _: ())
+    graph = SimpleNamespace(topics=lambda: [SimpleNamespace(name="/map", is_latched=True)])
     ring = Ring(SnapshotPlan(1.0))
     with ThreadPoolExecutor(1) as worker, LogWriter("snapshot.lcmlog") as writer:
         notes = IndexNotes(monitor, worker)

@@ -2,7 +2,6 @@
 
 import json
 import shlex
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -25,11 +24,10 @@ from lcmtools.wire.packet import Packet, Sender
 
 _SECOND = 1_000_000_000
 _START = 1_795_384_180 * _SECOND
-Bag = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bag:
+def look(tmp_path, capsys):
     """Runs a command on a log of a node, /driver, and a program, which sends what is no number."""
     path = tmp_path / "ride.lcmlog"
     with LogWriter(path) as log:
@@ -47,7 +45,7 @@ def look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bag:
             log.add(Packet("PROBE", encode(message), time), program)
         log.add_lost(LostMessages(_START, {driver: (5, 105)}))
 
-    def run(*words: str) -> tuple[int, str, str]:
+    def run(*words):
         code = main([*words, "--bag", str(path)])
         return (code, *capsys.readouterr())
 
@@ -66,18 +64,18 @@ def look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bag:
         ("echo /speed --filter 'm.data == 7'", "data: 7.0\n---\n"),
     ],
 )
-def test_a_log_answers_as_a_bus_does(words: str, out: str, look: Bag) -> None:
+def test_a_log_answers_as_a_bus_does(words, out, look):
     assert look(*shlex.split(words)) == (0, out, "")
 
 
-def test_info_has_the_recorded_senders(look: Bag) -> None:
+def test_info_has_the_recorded_senders(look):
     _, out, _ = look("info", "/speed", "PROBE", "-v")
     assert " * /driver (ada, pid 1)\n" in out
     assert_says(out, " * probe.py (pid 7)", "recorded", "\n", "messages: 100")
     assert_says(out, "did not arrive", "5 of 105 (4.8 %)", "all its topics")
 
 
-def test_spy_and_graph_have_the_recorded_senders(look: Bag) -> None:
+def test_spy_and_graph_have_the_recorded_senders(look):
     _, out, _ = look("spy", "--json")
     rows = {row["channel"]: row for row in json.loads(out)}
     assert (rows["/speed"]["senders"], rows["PROBE"]["senders"]) == (
@@ -90,7 +88,7 @@ def test_spy_and_graph_have_the_recorded_senders(look: Bag) -> None:
     assert "probe.py (pid 7)" in out
 
 
-def test_node_info_asks_nobody(look: Bag) -> None:
+def test_node_info_asks_nobody(look):
     code, out, error = look("node", "info", "/driver")
     assert (code, error) == (0, "")
     assert "Command: driver --fast\n" in out
@@ -98,13 +96,13 @@ def test_node_info_asks_nobody(look: Bag) -> None:
 
 
 @pytest.mark.parametrize("words", ["node ping /driver", "param list", "node kill /driver"])
-def test_what_only_a_node_could_answer_is_refused(words: str, look: Bag) -> None:
+def test_what_only_a_node_could_answer_is_refused(words, look):
     code, out, error = look(*words.split())
     assert (code, out) == (2, "")
     assert_says(error, "a log", "; leave out -b")
 
 
-def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
+def test_wtf_judges_the_messages_of_a_log_alone(look):
     code, out, error = look("wtf", "--json")
     assert code == 1
     found = {one["rule"]: one for one in json.loads(out)}
@@ -117,16 +115,14 @@ def test_wtf_judges_the_messages_of_a_log_alone(look: Bag) -> None:
     assert_says(error, "lcmtools wtf: ", "log", "link", "; leave out --bag\n")
 
 
-def test_a_log_is_read_in_place_of_a_bus(look: Bag) -> None:
+def test_a_log_is_read_in_place_of_a_bus(look):
     code, _, error = look("list", "--domain", "3")
     assert code == 2
     assert_says(error, "lcmtools list: -b", "log", "; leave out --lcm-url and --domain\n")
     assert_says(look("spy")[2], "lcmtools spy: ", "live view", "; --once")
 
 
-def test_a_thousand_channels_are_not_each_a_reason_to_look_at_all(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_thousand_channels_are_not_each_a_reason_to_look_at_all(tmp_path, monkeypatch):
     looks, graph = [], BusMonitor.graph
     monkeypatch.setattr(BusMonitor, "graph", lambda self: looks.append(1) or graph(self))
     path, message = tmp_path / "a.log", encode(Float64())
@@ -153,11 +149,8 @@ def test_a_thousand_channels_are_not_each_a_reason_to_look_at_all(
     ],
 )
 def test_the_known_type_that_is_like_an_unknown_one_is_named(
-    command: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    command, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "types" / "own_msgs"
     folder.mkdir(parents=True)

@@ -10,7 +10,6 @@ from fixtures.says import assert_says
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.packet import Packet
@@ -19,23 +18,23 @@ _S = 10**9
 _START = 1_795_384_180 * _S
 
 
-def _image(encoding: str, data: bytes, size: int) -> Image:
+def _image(encoding, data, size):
     return Image(width=2, height=1, step=2 * size, encoding=encoding, data=data)
 
 
-def _file(form: str) -> bytes:
+def _file(form):
     made = BytesIO()
     PIL.Image.new("RGB", (2, 1), (250, 10, 10)).save(made, form)
     return made.getvalue()
 
 
 @pytest.fixture(autouse=True)
-def _log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _log(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     color = _image("bgr8", bytes((0, 0, 255, 0, 255, 0)), 3)
     color.header.stamp.sec, color.header.stamp.nsec = 12, 5
     depth = _image("32FC1", b"\0\0\x80\x3f" + b"\0\0\xc0\x7f", 4)  # 1 m, and none
-    messages: list[tuple[str, Message]] = [
+    messages = [
         *(("/camera/image", one) for one in (color, color)),
         ("/camera/depth", depth),
         ("/camera/png", CompressedImage(format="png", data=_file("PNG"))),
@@ -47,7 +46,7 @@ def _log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
             log.add(Packet(topic, encode(message), _START + number))
 
 
-def _files() -> dict[str, PIL.Image.Image]:
+def _files():
     found = {}
     for path in Path("out").rglob("*.*"):
         with PIL.Image.open(path) as image:
@@ -56,7 +55,7 @@ def _files() -> dict[str, PIL.Image.Image]:
     return found
 
 
-def test_each_image_is_a_png_file(capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_image_is_a_png_file(capsys):
     assert main(["bag", "export", "in.lcmlog", "out", "--format", "png"]) == 1
     said = capsys.readouterr()
     assert_says(said.err, "messages on /speed are left out: std_msgs/Float64 is no image")
@@ -77,7 +76,7 @@ def test_each_image_is_a_png_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert copied == _file("PNG")
 
 
-def test_each_image_is_a_jpeg_file(capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_image_is_a_jpeg_file(capsys):
     assert main(["bag", "export", "in.lcmlog", "out", "--format", "jpeg", "-t", "/camera"]) == 1
     assert_says(capsys.readouterr().err, "/camera/depth are left out: depth cannot be in a JPEG")
     assert len(_files()) == 4
@@ -85,6 +84,6 @@ def test_each_image_is_a_jpeg_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert copied == _file("JPEG")
 
 
-def test_pictures_are_files_in_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
+def test_pictures_are_files_in_a_folder(capsys):
     assert main(["bag", "export", "in.lcmlog", "-", "--format", "png"]) == 2
     assert_says(capsys.readouterr().err, "what has a file for each image is a folder")

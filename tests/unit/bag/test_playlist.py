@@ -1,8 +1,5 @@
 """Which messages of logs are played, and on which topics."""
 
-from collections.abc import Callable, Sequence
-from pathlib import Path
-
 import pytest
 from fixtures.says import assert_says, raises_saying
 from fixtures.wire import encode_event
@@ -21,14 +18,13 @@ from lcmtools.wire.packet import Packet
 
 S = 1_000_000_000
 START = 1_795_000_000 * S
-Log = Callable[..., Path]
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> Log:
+def log(tmp_path):
     """``log("a", ("/a", 1.5), ...)``: a file as lcm-logger writes it, of Twists at seconds."""
 
-    def write(name: str, *messages: "tuple[str, float] | tuple[str, float, bytes]") -> Path:
+    def write(name, *messages):
         path = tmp_path / name
         events = [
             encode_event(
@@ -45,18 +41,16 @@ def log(tmp_path: Path) -> Log:
     return write
 
 
-def choice(
-    words: Sequence[str] = (), topics: Sequence[str] = (), exclude: Sequence[str] = ()
-) -> Choice:
+def choice(words=(), topics=(), exclude=()):
     return Choice(names=split_arguments(words)[0], topics=TopicChoice(topics, exclude))
 
 
-def topics(path: Path, what: Choice) -> list[str]:
+def topics(path, what):
     with Playlist([path], what) as playlist:
         return [track.topic for track in playlist.tracks]
 
 
-def test_logs_are_merged_by_time(log: Log) -> None:
+def test_logs_are_merged_by_time(log):
     paths = [log("a", ("/a", 0), ("/a", 2), ("/a", 4)), log("b", ("/b", 1), ("/b", 4), ("/b", 5))]
     with Playlist(paths, Choice()) as playlist:
         assert playlist.span == (START, START + 5 * S)
@@ -66,7 +60,7 @@ def test_logs_are_merged_by_time(log: Log) -> None:
     assert [one.topic for one in some] == ["/b", "/a"]
 
 
-def test_payloads_are_as_they_are_in_the_log(log: Log) -> None:
+def test_payloads_are_as_they_are_in_the_log(log):
     path = log("a", ("PLAIN", 0, b"\0\xff no LCM message"), ("/a", 1, b""))
     with Playlist([path], Choice()) as playlist:
         found = [(m.topic, m.payload) for m in playlist.messages(*playlist.span)]
@@ -94,19 +88,19 @@ ALL = ("/a/x", "/a/y", "/b", "PLAIN", "/s/_request", NODE_CHANNEL)
         (choice(["b:=c", "--ns", "n"], topics=["b", "/a/x"]), ["/n/a/x", "/n/c"]),
     ],
 )
-def test_topics_are_chosen_and_moved(log: Log, what: Choice, expected: list[str]) -> None:
+def test_topics_are_chosen_and_moved(log, what, expected):
     path = log("a", *((name, 0) for name in ALL))
     assert topics(path, what) == expected
 
 
-def test_the_clock_stays_in_place_where_nodes_are_to_follow_it(log: Log) -> None:
+def test_the_clock_stays_in_place_where_nodes_are_to_follow_it(log):
     path = log("a", ("/clock", 0), ("/a", 1))
     said = split_arguments(["__ns:=/n"])[0]
     assert topics(path, Choice(names=said)) == ["/n/a", "/n/clock"]
     assert topics(path, Choice(names=said, keeps_clock=True)) == ["/n/a", "/clock"]
 
 
-def test_a_type_is_as_it_was_announced_else_the_likeliest(log: Log) -> None:
+def test_a_type_is_as_it_was_announced_else_the_likeliest(log):
     end = Endpoint("/p", Role.PUBLISHER, ("geometry_msgs/Point",), (fingerprint(Point),))
     announced = encode_announcement(Announcement(Node("/n", "1", "h", 1, endpoints=(end,))))
     point = encode(Point())
@@ -116,7 +110,7 @@ def test_a_type_is_as_it_was_announced_else_the_likeliest(log: Log) -> None:
     assert types == {"/p": "geometry_msgs/Point", "/q": "geometry_msgs/Vector3"}
 
 
-def test_damaged_bytes_are_passed_over(log: Log, tmp_path: Path) -> None:
+def test_damaged_bytes_are_passed_over(log, tmp_path):
     events = log("a", ("/a", 0), ("/a", 1)).read_bytes()
     path = tmp_path / "damaged"
     path.write_bytes(events[:80] + b"\0" * 50 + events + events[:60])
@@ -160,16 +154,14 @@ def test_damaged_bytes_are_passed_over(log: Log, tmp_path: Path) -> None:
         (choice(["/b:=1"]), InvalidName, "'1' is not a legal name"),
     ],
 )
-def test_what_cannot_be_played(
-    log: Log, what: Choice, kind: type[LcmtoolsError], text: str
-) -> None:
+def test_what_cannot_be_played(log, what, kind, text):
     path = log("a", *((name, 0) for name in ALL if name != "PLAIN"))
     with pytest.raises(kind) as caught:
         Playlist([path], what)
     assert text in str(caught.value)
 
 
-def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
+def test_files_that_are_no_logs(log, tmp_path):
     (tmp_path / "text").write_text("no log\n")
     with raises_saying(LcmtoolsError, "no messages", "text", "not an LCM log"):
         Playlist([log("a", ("/a", 0)), tmp_path / "text"], Choice())
@@ -182,9 +174,7 @@ def test_files_that_are_no_logs(log: Log, tmp_path: Path) -> None:
         Playlist([tmp_path / "none"], Choice())
 
 
-def test_a_long_log_without_an_index_is_read_with_a_word(
-    log: Log, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_long_log_without_an_index_is_read_with_a_word(log, monkeypatch):
     path, said = log("a", ("/a", 0)), list[str]()
     Playlist([path], Choice(), said.append).close()
     assert said == []
@@ -194,11 +184,11 @@ def test_a_long_log_without_an_index_is_read_with_a_word(
     assert_says(line, str(path), "lcmtools bag reindex")
 
 
-def test_the_latest_message_of_each_topic_before_a_time(log: Log) -> None:
+def test_the_latest_message_of_each_topic_before_a_time(log):
     paths = [log("a", ("/a", 0), ("/b", 1), ("/a", 2), ("/a", 4)), log("b", ("/a", 3), ("/c", 5))]
     with Playlist(paths, Choice()) as playlist:
 
-        def found(*names: str, time: float, after: float = -1) -> list[tuple[str, float]]:
+        def found(*names, time, after=-1):
             times = START + round(time * S), START + round(after * S)
             return [(m.topic, (m.time - START) / S) for m in playlist.latest(names, *times)]
 

@@ -7,17 +7,15 @@ import pytest
 from lcmtools.bag.rerunning.comparison import (
     Clocks,
     Compared,
-    Difference,
     Tolerance,
-    TopicComparison,
     compare,
     differences,
     part_of,
 )
 from lcmtools.errors import DecodeError
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.fill import Value, fill
-from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.fill import fill
+from lcmtools.messages.registry import message_class
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Float64
 
@@ -28,15 +26,13 @@ _NOW = 1_700_000_000_000_000_000
 _EXACT = Tolerance(0.0, 0.0)
 
 
-def made(kind: str, value: Value) -> Message:
+def made(kind, value):
     message = message_class(kind)()
     fill(message, value)
     return message
 
 
-def found(
-    kind: str, was: Value, now: Value, tolerance: Tolerance = _EXACT, later: int = 0
-) -> list[Difference]:
+def found(kind, was, now, tolerance=_EXACT, later=0):
     """Return what differs; the second message is ``later`` [ns] than the first."""
     clocks = Clocks((_NOW, _NOW + later), (made(kind, was), made(kind, now)))
     both = differences(made(kind, was), made(kind, now), tolerance, clocks)
@@ -74,9 +70,7 @@ def found(
         ),
     ],
 )
-def test_fields_are_compared_by_their_meaning(
-    kind: str, was: Value, now: Value, tolerance: Tolerance, fields: list[str]
-) -> None:
+def test_fields_are_compared_by_their_meaning(kind, was, now, tolerance, fields):
     assert [one.field for one in found(kind, was, now, tolerance)][:1] == fields
 
 
@@ -91,9 +85,7 @@ def test_fields_are_compared_by_their_meaning(
         ({"angular": "ignore"}, ["linear.x", "linear.y"]),
     ],
 )
-def test_a_field_and_what_is_below_it_have_their_own_tolerance(
-    term: dict[str, str], fields: list[str]
-) -> None:
+def test_a_field_and_what_is_below_it_have_their_own_tolerance(term, fields):
     values = {"linear": [1.0, 2.0, 3.0]}, {"linear": [1.05, 2.1, 3.0]}
     differing = found("geometry_msgs/Twist", *values, Tolerance(0.0, 0.0, fields=term))
     assert [one.field for one in differing] == fields
@@ -108,23 +100,21 @@ def test_a_field_and_what_is_below_it_have_their_own_tolerance(
         (_NOW, _NOW + 50 * _MS, 0, True),  # within the tolerance of times
     ],
 )
-def test_a_stamp_is_compared_as_such_or_by_its_age(
-    was: int, now: int, later: int, *, is_equal: bool
-) -> None:
+def test_a_stamp_is_compared_as_such_or_by_its_age(was, now, later, *, is_equal):
     stamps = ({"stamp": one} for one in (was, now))
     assert (found("std_msgs/Header", *stamps, later=later) == []) == is_equal
 
 
-def doubles(*pairs: tuple[float, float]) -> list[Compared]:
+def doubles(*pairs):
     """Return messages, each of a time [s] and a number."""
     return [Compared(round(time * 1e9), encode(Float64(data=data))) for time, data in pairs]
 
 
-def read(_topic: str, payload: bytes) -> Message:
+def read(_topic, payload):
     return decode(Float64, payload)
 
 
-def compared(was: list[Compared], now: list[Compared], **more: bool) -> TopicComparison:
+def compared(was, now, **more):
     return compare("/x", (was, now), read, Tolerance(), **more)
 
 
@@ -142,9 +132,7 @@ _TEN = [(n / 10, float(n)) for n in range(10)]
         ([(time, -data) for time, data in _TEN], [], [], 9),
     ],
 )
-def test_messages_are_matched_by_order_and_time(
-    now: list[tuple[float, float]], missing: list[float], extra: list[float], differing: int
-) -> None:
+def test_messages_are_matched_by_order_and_time(now, missing, extra, differing):
     result = compared(doubles(*_TEN), doubles(*now))
     assert [round(time / 1e8, 3) for time in result.missing] == missing
     assert [round(time / 1e8, 3) for time in result.extra] == extra
@@ -154,8 +142,8 @@ def test_messages_are_matched_by_order_and_time(
     )
 
 
-def test_messages_are_matched_by_stamp_where_they_have_one() -> None:
-    def stamped(second: int) -> Compared:
+def test_messages_are_matched_by_stamp_where_they_have_one():
+    def stamped(second):
         stamp = made("sensor_msgs/JointState", {"header": {"stamp": {"sec": second}}})
         return Compared(second, encode(stamp))
 
@@ -167,20 +155,20 @@ def test_messages_are_matched_by_stamp_where_they_have_one() -> None:
     assert (result.matched, result.missing) == (4, [])
 
 
-def test_a_message_is_late_against_the_others_of_its_topic() -> None:
+def test_a_message_is_late_against_the_others_of_its_topic():
     now = doubles(*((time + 0.5 + (time == 0.4), data) for time, data in _TEN))
     assert [by for _, by in compared(doubles(*_TEN), now).late] == [pytest.approx(1.0)]
     assert compared(doubles(*_TEN), now, judges_delay=False).is_equal
 
 
-def test_the_phase_of_a_timer_may_cost_a_message_at_an_end() -> None:
+def test_the_phase_of_a_timer_may_cost_a_message_at_an_end():
     now = [one._replace(is_by_timer=True) for one in doubles(*_TEN[1:])]
     assert compared(doubles(*_TEN), now).is_equal
     assert not compared(doubles(*_TEN), now[:4] + now[5:]).is_equal
 
 
-def test_messages_that_cannot_be_decoded_are_compared_by_their_bytes() -> None:
-    def refuse(_topic: str, _payload: bytes) -> Message:
+def test_messages_that_cannot_be_decoded_are_compared_by_their_bytes():
+    def refuse(_topic, _payload):
         raise DecodeError("unknown type, fingerprint 0x1")
 
     was, now = [Compared(1, b"a")], [Compared(1, b"b")]
@@ -188,7 +176,7 @@ def test_messages_that_cannot_be_decoded_are_compared_by_their_bytes() -> None:
     assert compare("/x", (was, now), refuse, Tolerance()).trouble.startswith("unknown type")
 
 
-def test_two_runs_part_where_bytes_or_times_differ() -> None:
+def test_two_runs_part_where_bytes_or_times_differ():
     runs = doubles(*_TEN)
     assert part_of(runs, doubles(*_TEN)) is None
     assert part_of(runs, runs[:5]) == part_of(runs[:5], runs) == 5

@@ -1,21 +1,16 @@
 """Bags of ROS and MCAP files: written, and read again."""
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
-from pathlib import Path
-from typing import Protocol
-
 import pytest
 from fixtures.says import assert_says, raises_saying
 from mcap.writer import CompressionType, Writer
 
 from lcmtools.bag.mcap_reading import MAGIC
 from lcmtools.bag.ros_bags import McapFile, RosBag
-from lcmtools.bag.ros_import import Imported, RosImport
+from lcmtools.bag.ros_import import RosImport
 from lcmtools.errors import DecodeError, InvalidFile, LcmtoolsError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.plain import to_plain
-from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.registry import message_class
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.packages import provide_user_types
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
@@ -27,12 +22,7 @@ from lcmtools.wire.packet import Packet
 _TIME = 1_700_000_000_123_456_789
 
 
-class _Target(Protocol):
-    def add(self, packet: Packet, decoder: Decoder) -> None: ...
-
-
-_Make = Callable[[Path], AbstractContextManager[_Target]]
-_TARGETS: dict[str, _Make] = {
+_TARGETS = {
     "a.mcap": McapFile,
     "ros1.mcap": lambda path: McapFile(path, "ros1", "lz4"),
     "plain.mcap": lambda path: McapFile(path, compression="none"),
@@ -42,7 +32,7 @@ _TARGETS: dict[str, _Make] = {
 }
 
 
-def _written(make: _Make, path: Path, messages: Sequence[Message]) -> list[Imported]:
+def _written(make, path, messages):
     decoder = Decoder(lambda _: ())
     with make(path) as target:
         for number, message in enumerate(messages):
@@ -51,7 +41,7 @@ def _written(make: _Make, path: Path, messages: Sequence[Message]) -> list[Impor
     return list(RosImport().read(path))
 
 
-def _messages() -> list[Message]:
+def _messages():
     scan, odometry, stat = LaserScan(), Odometry(), ControllerEvaluationStat()
     scan.ranges, scan.header.frame_id = [1.5, 2.5], "laser"
     odometry.pose.covariance = [0.25] * 36
@@ -60,7 +50,7 @@ def _messages() -> list[Message]:
 
 
 @pytest.mark.parametrize("name", _TARGETS)
-def test_messages_come_back_as_they_went(name: str, tmp_path: Path) -> None:
+def test_messages_come_back_as_they_went(name, tmp_path):
     messages = _messages()
     found = _written(_TARGETS[name], tmp_path / name, messages)
     assert [encode(one.message) for one in found] == [encode(message) for message in messages]
@@ -70,7 +60,7 @@ def test_messages_come_back_as_they_went(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", _TARGETS)
 @pytest.mark.parametrize("time", [-1, 2**63])
-def test_a_time_that_ros_has_not_is_left_out(name: str, time: int, tmp_path: Path) -> None:
+def test_a_time_that_ros_has_not_is_left_out(name, time, tmp_path):
     with (
         _TARGETS[name](tmp_path / name) as target,
         pytest.raises(DecodeError, match="cannot represent the time"),
@@ -78,7 +68,7 @@ def test_a_time_that_ros_has_not_is_left_out(name: str, time: int, tmp_path: Pat
         target.add(Packet("/scan", encode(LaserScan()), time), Decoder(lambda _: ()))
 
 
-def test_types_that_are_not_known_are_translated(tmp_path: Path) -> None:
+def test_types_that_are_not_known_are_translated(tmp_path):
     schema = "std_msgs/Header header\nmine_msgs/Point2[] points\nuint16 COUNT=3\nint8[2] pair\n"
     schema += "=" * 80 + "\nMSG: mine_msgs/Point2\nfloat32 x\nstring name\n"
     schema += "=" * 80 + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
@@ -102,7 +92,7 @@ def test_types_that_are_not_known_are_translated(tmp_path: Path) -> None:
     assert sorted(reading.types) == ["mine_msgs/Point2", "mine_msgs/Polyline"]
 
 
-def test_messages_in_other_encodings_are_counted(tmp_path: Path) -> None:
+def test_messages_in_other_encodings_are_counted(tmp_path):
     path = tmp_path / "json.mcap"
     with path.open("wb") as file:
         writer = Writer(file)
@@ -120,7 +110,7 @@ def test_messages_in_other_encodings_are_counted(tmp_path: Path) -> None:
     assert count == 3
 
 
-def test_a_damaged_file_is_one_line(tmp_path: Path) -> None:
+def test_a_damaged_file_is_one_line(tmp_path):
     path = tmp_path / "a.bag"
     _written(_TARGETS["a.bag"], path, [String()] * 200)
     path.write_bytes(path.read_bytes()[:4150])  # its index and all messages
@@ -129,7 +119,7 @@ def test_a_damaged_file_is_one_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["a.mcap", "ros1.mcap"])
-def test_a_damaged_chunk_is_one_line(name: str, tmp_path: Path) -> None:
+def test_a_damaged_chunk_is_one_line(name, tmp_path):
     path = tmp_path / name
     _written(_TARGETS[name], path, _messages())
     written = path.read_bytes()
@@ -140,7 +130,7 @@ def test_a_damaged_chunk_is_one_line(name: str, tmp_path: Path) -> None:
         list(RosImport().read(path))
 
 
-def test_what_is_no_bag_is_said_to_be_none(tmp_path: Path) -> None:
+def test_what_is_no_bag_is_said_to_be_none(tmp_path):
     (tmp_path / "a.png").write_bytes(b"\x89PNG....")
     (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")
     with raises_saying(LcmtoolsError, "a.png", "ROS bag", "MCAP"):
@@ -151,7 +141,7 @@ def test_what_is_no_bag_is_said_to_be_none(tmp_path: Path) -> None:
         list(RosImport().read(tmp_path / "gone.bag"))
 
 
-def test_a_file_that_is_cut_off_anywhere_says_so(tmp_path: Path) -> None:
+def test_a_file_that_is_cut_off_anywhere_says_so(tmp_path):
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
         writer = Writer(file, chunk_size=200, compression=CompressionType.NONE)
@@ -178,8 +168,8 @@ def test_a_file_that_is_cut_off_anywhere_says_so(tmp_path: Path) -> None:
 @pytest.mark.parametrize("file", ["Wheel.msg", "Wheel.lcm"])
 @pytest.mark.parametrize("version", [1, 2])
 def test_a_bag_without_definitions_has_the_types_of_the_workspace(
-    file: str, version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    file, version, tmp_path, monkeypatch
+):
     folder = tmp_path / "types" / "own_msgs"
     folder.mkdir(parents=True)
     is_ros = file.endswith("msg")

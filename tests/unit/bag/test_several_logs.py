@@ -1,8 +1,6 @@
 """Several logs as one, and parts of logs, in every command that looks and in Python."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from fixtures.says import assert_says
@@ -25,10 +23,9 @@ _COMMANDS = (
     *("bw /speed", "list", "list --hz", "list -v", "info /speed", "type /speed", "find Float64"),
     *("node list", "node info /driver", "graph --format dot", "wtf", "spy --once"),
 )
-Run = Callable[..., tuple[int, str]]
 
 
-def _write(path: str, seconds: range) -> None:
+def _write(path, seconds):
     with LogWriter(path) as log:
         driver = log.sender_number(Sender("127.0.0.1", 4001), "/driver")
         ends = (Endpoint("/speed", Role.PUBLISHER, ("std_msgs/Float64",)),)
@@ -46,14 +43,14 @@ def _write(path: str, seconds: range) -> None:
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+def run(tmp_path, monkeypatch, capsys):
     """Runs a command; there are the logs whole, and its parts 0 and 1."""
     monkeypatch.chdir(tmp_path)
     _write("whole", range(20))
     _write("0", range(10))
     _write("1", range(10, 20))
 
-    def run(command: str, *more: str) -> tuple[int, str]:
+    def run(command, *more):
         code = main([*(word.strip("'") for word in command.split()), *more])
         return code, capsys.readouterr().out
 
@@ -62,7 +59,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
 
 @pytest.mark.parametrize("command", _COMMANDS)
 @pytest.mark.parametrize("order", ["01", "10"])
-def test_a_split_recording_is_read_as_one_log(run: Run, command: str, order: str) -> None:
+def test_a_split_recording_is_read_as_one_log(run, command, order):
     code, out = run(command, "-b", "whole")
     got, found = run(command, *(word for name in order for word in ("-b", name)))
     assert out
@@ -82,7 +79,7 @@ def test_a_split_recording_is_read_as_one_log(run: Run, command: str, order: str
     ],
 )
 @pytest.mark.parametrize("logs", ["-b whole", "-b 1 -b 0"])
-def test_a_part_of_a_log(run: Run, part: str, numbers: list[int], logs: str) -> None:
+def test_a_part_of_a_log(run, part, numbers, logs):
     code, out = run(f"echo /speed --json {part} {logs}")
     found = [json.loads(line)["data"] for line in out.splitlines()]
     assert (code, found) == (0, numbers)
@@ -101,14 +98,14 @@ def test_a_part_of_a_log(run: Run, part: str, numbers: list[int], logs: str) -> 
         "type /speed",
     ],
 )
-def test_every_looking_command_takes_a_part(run: Run, command: str) -> None:
+def test_every_looking_command_takes_a_part(run, command):
     start, end = ("--start", "--end") if command.startswith("list") else ("-s", "-e")
     assert run(f"bag cut whole part {start} 4s {end} 8s")[0] == 0
     said, out = run(command, "-b", "part")
     assert run(command, "-b", "whole", start, "4s", end, "8s") == (said, out)
 
 
-def test_of_each_topic_the_last_ones(run: Run) -> None:
+def test_of_each_topic_the_last_ones(run):
     _, out = run("echo --all --csv --last 1 -b whole")
     assert [line.split(",")[-1] for line in out.splitlines()[1:]] == ["-16.0", "19.0"]
 
@@ -123,7 +120,7 @@ def test_of_each_topic_the_last_ones(run: Run) -> None:
     ],
 )
 @pytest.mark.usefixtures("run")
-def test_wrong_parts(words: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_parts(words, says, capsys):
     assert main(words.split()) == 2
     assert_says(capsys.readouterr().err, says)
 
@@ -140,9 +137,7 @@ def test_wrong_parts(words: str, says: str, capsys: pytest.CaptureFixture[str]) 
     ],
 )
 @pytest.mark.usefixtures("run")
-def test_python_takes_a_logs_own_times(
-    start: str | float | None, end: str | float | None, numbers: list[int]
-) -> None:
+def test_python_takes_a_logs_own_times(start, end, numbers):
     with lcmtools.bag.open("whole") as log:
         assert [one.message.data for one in log.messages("/speed", start=start, end=end)] == numbers
         assert len([*log.messages("/speed", start=log.start, end=log.end)]) == 20
@@ -153,7 +148,7 @@ def test_python_takes_a_logs_own_times(
 
 
 @pytest.mark.usefixtures("run")
-def test_python_takes_lists_and_patterns_of_topics() -> None:
+def test_python_takes_lists_and_patterns_of_topics():
     with lcmtools.bag.open("whole") as log:
         assert len([*log.messages(["/speed", "RARE"])]) == 25
         assert len([*log.messages("/sp*", ["RARE"])]) == 25

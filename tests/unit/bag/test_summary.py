@@ -1,7 +1,6 @@
 """The summary of a log, by its index and without."""
 
 import json
-from pathlib import Path
 
 import pytest
 from fixtures.says import assert_says
@@ -26,14 +25,14 @@ _START = 1_795_384_180 * _SECOND
 _ONE = Sender("10.0.0.7", 4001)
 
 
-def _string(text: str) -> bytes:
+def _string(text):
     message = String()
     message.data = text
     return encode(message)
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     """A log of two minutes: /chatter at 2 Hz with a gap of 20 s, and 8 bytes of another type."""
     path = tmp_path / "ride.lcmlog"
     with LogWriter(path) as log:
@@ -50,7 +49,7 @@ def path(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("keeps_index", [True, False])
-def test_a_summary_is_the_same_with_and_without_an_index(path: Path, keeps_index: bool) -> None:  # noqa: FBT001
+def test_a_summary_is_the_same_with_and_without_an_index(path, keeps_index):
     if not keeps_index:
         index_path(path).unlink()
     with LogFile(path) as log:
@@ -80,9 +79,7 @@ def test_a_summary_is_the_same_with_and_without_an_index(path: Path, keeps_index
 
 
 @pytest.mark.parametrize("years", [-3, 3])
-def test_a_time_that_is_damaged_and_not_in_the_index_costs_its_message_alone(
-    path: Path, years: int
-) -> None:
+def test_a_time_that_is_damaged_and_not_in_the_index_costs_its_message_alone(path, years):
     time = _START + 70 * _SECOND
     wrong = (time + years * 365 * 86400 * _SECOND) // 1000
     written = path.read_bytes().replace(
@@ -93,7 +90,7 @@ def test_a_time_that_is_damaged_and_not_in_the_index_costs_its_message_alone(
         assert sum(summarize(log).histogram) == 224 - 2
 
 
-def test_an_index_is_completed_with_what_it_had(path: Path) -> None:
+def test_an_index_is_completed_with_what_it_had(path):
     whole = index_path(path).read_text().splitlines(keepends=True)
     blocks = [place for place, line in enumerate(whole) if line.startswith('{"block"')]
     index_path(path).write_text("".join(whole[: blocks[4]]))
@@ -114,7 +111,7 @@ def test_an_index_is_completed_with_what_it_had(path: Path) -> None:
     assert not list(path.parent.glob(".*"))
 
 
-def test_an_index_gets_the_definitions_of_types_that_are_known_here(tmp_path: Path) -> None:
+def test_an_index_gets_the_definitions_of_types_that_are_known_here(tmp_path):
     log = tmp_path / "plain.lcmlog"
     head = encode(Header())
     packets = [
@@ -134,7 +131,7 @@ def test_an_index_gets_the_definitions_of_types_that_are_known_here(tmp_path: Pa
         assert file.index.types == types
 
 
-def test_info_prints_what_a_log_has(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_prints_what_a_log_has(path, capsys):
     assert main(["bag", "info", str(path)]) == 0
     text = capsys.readouterr().out
     assert "in 224 messages\n" in text
@@ -150,7 +147,7 @@ def test_info_prints_what_a_log_has(path: Path, capsys: pytest.CaptureFixture[st
     assert [topic["topic"] for topic in record["topics"]] == ["/chatter", "RAW"]
 
 
-def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_strange_logs_have_a_summary(tmp_path, capsys):
     path = tmp_path / "a.log"
     path.write_bytes(b"")
     assert main(["bag", "info", str(path)]) == 0
@@ -170,10 +167,8 @@ def test_strange_logs_have_a_summary(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert_says(error, "lcmtools bag info: ", "no messages", str(path), "not an LCM log\n")
 
 
-def test_a_log_whose_times_go_back_is_said_to_be(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def said(*words: str) -> tuple[str, str]:
+def test_a_log_whose_times_go_back_is_said_to_be(tmp_path, capsys):
+    def said(*words):
         assert main(list(words)) == 0
         return capsys.readouterr()
 
@@ -185,7 +180,7 @@ def test_a_log_whose_times_go_back_is_said_to_be(
         assert_says(said("bag", "info", log)[0], "order: ", "7 s", "lcmtools bag sort")
         (record,) = json.loads(said("bag", "info", log, "--json")[0])
         assert record["disorder"] == 7.0
-        notes: list[str] = []
+        notes = []
         Playlist([log], Choice(), notes.append).close()
         (note,) = notes
         assert_says(note, str(log), "go back, by up to 7 s", "lcmtools bag sort")
@@ -199,7 +194,7 @@ def test_a_log_whose_times_go_back_is_said_to_be(
     )
 
 
-def test_words_of_spans_and_times() -> None:
+def test_words_of_spans_and_times():
     assert list(map(span_text, (0.01234, 59.9, 60, 3600, 7265))) == [
         *("0.0123 s", "59.9 s", "1m 00s", "1h 00m", "2h 01m")
     ]

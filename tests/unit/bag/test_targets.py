@@ -7,7 +7,6 @@ import stat
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -44,13 +43,13 @@ _COMMANDS = {
 _SAVING = ("evidence",)  # which replaces its own file without being asked
 
 
-def _words(name: str, target: str) -> list[str]:
+def _words(name, target):
     force = [] if name in _SAVING else ["--force"]
     return [*_COMMANDS[name].format(target).split(), *force]
 
 
 @pytest.fixture(autouse=True)
-def _log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _log(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with LogWriter("in.lcmlog") as log:
         for number in range(10):
@@ -59,14 +58,14 @@ def _log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def pipe(tmp_path: Path) -> Iterator[Callable[[], bytes]]:
+def pipe(tmp_path):
     """A named pipe ``pipe``, and what is written to it."""
     os.mkfifo(tmp_path / "pipe")
-    content: list[bytes] = []
+    content = []
     reader = threading.Thread(target=lambda: content.append(Path("pipe").read_bytes()))
     reader.start()
 
-    def read() -> bytes:
+    def read():
         reader.join(20)
         return content[0]
 
@@ -77,7 +76,7 @@ def pipe(tmp_path: Path) -> Iterator[Callable[[], bytes]]:
 
 
 @pytest.mark.parametrize("name", _COMMANDS)
-def test_a_pipe_gets_the_content_and_stays(name: str, pipe: Callable[[], bytes]) -> None:
+def test_a_pipe_gets_the_content_and_stays(name, pipe):
     assert main(_words(name, "made" if name != "csv" else "made.csv")) == 0
     assert main(_words(name, "pipe")) == 0
     assert stat.S_ISFIFO(Path("pipe").stat().st_mode)
@@ -89,7 +88,7 @@ def test_a_pipe_gets_the_content_and_stays(name: str, pipe: Callable[[], bytes])
 
 
 @pytest.mark.parametrize("name", _COMMANDS)
-def test_a_device_is_not_replaced(name: str) -> None:
+def test_a_device_is_not_replaced(name):
     Path("device").symlink_to("/dev/null")
     assert main(_words(name, "device")) == 0
     assert Path("device").is_symlink()
@@ -97,7 +96,7 @@ def test_a_device_is_not_replaced(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", _COMMANDS)
-def test_a_link_stays_and_the_file_that_it_leads_to_is_replaced(name: str) -> None:
+def test_a_link_stays_and_the_file_that_it_leads_to_is_replaced(name):
     Path("below").mkdir()
     target = Path("below/target.csv")
     target.write_text("mine")
@@ -116,9 +115,7 @@ def test_a_link_stays_and_the_file_that_it_leads_to_is_replaced(name: str) -> No
 
 
 @pytest.mark.parametrize("name", _COMMANDS)
-def test_a_socket_is_refused_without_advising_force(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_socket_is_refused_without_advising_force(name, capsys):
     with socket.socket(socket.AF_UNIX) as end:
         end.bind("socket")
         assert main(_words(name, "socket")) in (1, 64)
@@ -128,9 +125,7 @@ def test_a_socket_is_refused_without_advising_force(
 
 @pytest.mark.parametrize("name", [*_COMMANDS])
 @pytest.mark.parametrize("target", ["-", "/dev/stdout"])
-def test_standard_output_gets_the_content_alone(
-    name: str, target: str, capfdbinary: pytest.CaptureFixture[bytes]
-) -> None:
+def test_standard_output_gets_the_content_alone(name, target, capfdbinary):
     assert main(_words(name, target)) == 0
     out = capfdbinary.readouterr().out
     starts = {"jsonl": b'{"topic"', "csv": b"%time", "npz": b"PK", "mcap": b"\x89MCAP"}
@@ -141,7 +136,7 @@ def test_standard_output_gets_the_content_alone(
     assert not [one for one in Path().iterdir() if one.name.startswith("-")]
 
 
-def test_a_terminal_gets_no_binary_data() -> None:
+def test_a_terminal_gets_no_binary_data():
     script = "import os, pty, sys\nsys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))"
     words = [sys.executable, "-c", script, sys.executable, "-m", "lcmtools"]
     for command, code in (("bag sort in.lcmlog -", 1), ("bag export in.lcmlog - --format csv", 0)):
@@ -152,14 +147,14 @@ def test_a_terminal_gets_no_binary_data() -> None:
         assert (b"it is a terminal; name a file" in done.stdout) == bool(code)
 
 
-def test_a_folder_of_files_is_no_stream(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_of_files_is_no_stream(capsys):
     assert main(["bag", "export", "in.lcmlog", "-", "--format", "ros2"]) == 2
     assert_says(
         capsys.readouterr().err, "a bag of ROS 2 is a folder, which - cannot be; name a folder"
     )
 
 
-def test_a_recording_goes_into_a_pipe(pipe: Callable[[], bytes], tmp_path: Path) -> None:
+def test_a_recording_goes_into_a_pipe(pipe, tmp_path):
     series = LogSeries("pipe", force=True)
     with series.next() as writer:
         writer.add(Packet("/a", bytes(8), _START))
@@ -171,7 +166,7 @@ def test_a_recording_goes_into_a_pipe(pipe: Callable[[], bytes], tmp_path: Path)
         LogSeries("pipe", numbered=True).next()
 
 
-def test_settings_that_lead_to_a_device_do_not_replace_it() -> None:
+def test_settings_that_lead_to_a_device_do_not_replace_it():
     Path("settings").symlink_to("/dev/null")
     write_atomically(Path("settings"), "text")
     write_whole(Path("settings"), b"bytes")

@@ -11,7 +11,7 @@ from lcmtools.bag.stamps import by_stamp
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message, type_name
+from lcmtools.messages.registry import type_name
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.nav_msgs import Odometry
@@ -24,7 +24,7 @@ _S = 10**9
 _START = 1_795_384_180 * _S
 
 
-def _messages() -> list[Message]:
+def _messages():
     odometry, scan = Odometry(), LaserScan(ranges=[1.5, math.inf], intensities=[])
     odometry.header.stamp.sec, odometry.header.frame_id = 12, "odom"
     odometry.pose.covariance = [0.25 * number for number in range(36)]
@@ -43,11 +43,11 @@ def _messages() -> list[Message]:
 
 
 @pytest.fixture(autouse=True)
-def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def _write(*messages: Message) -> list[Packet]:
+def _write(*messages):
     with LogWriter("in.lcmlog") as log:
         sender = log.sender_number(Sender("127.0.0.1", 4001), "/driver")
         for number, message in enumerate(messages):
@@ -56,12 +56,12 @@ def _write(*messages: Message) -> list[Packet]:
     return _read("in.lcmlog")
 
 
-def _read(path: str) -> list[Packet]:
+def _read(path):
     with LogFile(path) as log:
         return [one._replace(sender=None) for one in log.packets()]
 
 
-def test_json_lines_come_back_as_they_went() -> None:
+def test_json_lines_come_back_as_they_went():
     sent = _write(*_messages())
     assert main(["bag", "export", "in.lcmlog", "a.jsonl"]) == 0
     assert main(["bag", "import", "a.jsonl", "out.lcmlog"]) == 0
@@ -73,7 +73,7 @@ def test_json_lines_come_back_as_they_went() -> None:
 
 
 @pytest.mark.parametrize("message", _messages(), ids=lambda one: type(one).__name__)
-def test_values_of_a_type_come_back_as_they_went(message: Message) -> None:
+def test_values_of_a_type_come_back_as_they_went(message):
     sent = _write(message)
     assert main(["bag", "export", "in.lcmlog", "a.csv"]) == 0
     words = f"bag import a.csv out.lcmlog --type {type_name(message)} --as {sent[0].channel}"
@@ -82,7 +82,7 @@ def test_values_of_a_type_come_back_as_they_went(message: Message) -> None:
     assert [one.payload for one in found] == [one.payload for one in sent]
 
 
-def test_a_line_that_cannot_be_read_costs_only_itself(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_line_that_cannot_be_read_costs_only_itself(capsys):
     good = '{"topic":"/a","time":5,"type":"std_msgs/Float64","message":{"data":1.5}}'
     lines = (good, "{", '{"topic":"/a"}', good.replace("1.5", '"x"'), good.replace("Float64", "X"))
     Path("a.jsonl").write_text("\n".join((*lines, "", good)) + "\n")
@@ -102,7 +102,7 @@ def test_a_line_that_cannot_be_read_costs_only_itself(capsys: pytest.CaptureFixt
         ("a.mcap --type std_msgs/String", "--type and --as are for .csv and .jsonl"),
     ],
 )
-def test_what_cannot_be_imported(words: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be_imported(words, says, capsys):
     Path("a.csv").write_text("x,y\n1,2\n")
     Path("empty.jsonl").touch()
     source, *options = words.split()

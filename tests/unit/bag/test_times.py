@@ -1,7 +1,6 @@
 """Times within a log as a person writes them."""
 
 import time
-from collections.abc import Iterator
 
 import pytest
 from fixtures.says import raises_saying
@@ -15,7 +14,7 @@ _END = _START + 90 * _SECOND
 
 
 @pytest.fixture(autouse=True)
-def berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def berlin(monkeypatch):
     """The computer is where it is an hour later than UTC in winter."""
     monkeypatch.setenv("TZ", "CET-1")
     time.tzset()
@@ -50,15 +49,15 @@ def berlin(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         ("9:30", -4 * 3600),
     ],
 )
-def test_a_time_is_found_in_a_log(text: str, seconds: float) -> None:
+def test_a_time_is_found_in_a_log(text, seconds):
     assert parse_time(text).within(_START, _END) == _START + round(seconds * _SECOND)
 
 
-def test_a_date_is_its_midnight() -> None:
+def test_a_date_is_its_midnight():
     assert parse_time("2026-11-22").within(0, 1) == (_START // _SECOND - 13 * 3600 - 1800) * _SECOND
 
 
-def test_a_time_of_the_day_may_be_after_midnight() -> None:
+def test_a_time_of_the_day_may_be_after_midnight():
     start = _START + 10 * 3600 * _SECOND  # 23:30 there
     assert parse_time("00:10").within(start, start + 3600 * _SECOND) == start + 2400 * _SECOND
     assert parse_time("23:40").within(start, start + 3600 * _SECOND) == start + 600 * _SECOND
@@ -71,12 +70,12 @@ def test_a_time_of_the_day_may_be_after_midnight() -> None:
         *("2026-11-22 12", "12:30Z", "end-", "-", "+", "1e3", "nan", "٣"),
     ],
 )
-def test_what_is_no_time_is_refused(text: str) -> None:
+def test_what_is_no_time_is_refused(text):
     with raises_saying(UsageError, "not a time", "10s", "end-1m"):
         parse_time(text)
 
 
-def test_a_window_lies_within_the_log() -> None:
+def test_a_window_lies_within_the_log():
     span = _START, _END
     assert time_window(span) == span
     assert time_window(span, parse_time("9:30"), parse_time("2h")) == span
@@ -98,9 +97,7 @@ def test_a_window_lies_within_the_log() -> None:
         ("20", "10", "the start, 20, is after the end, 10; the log is 90.0 s long"),
     ],
 )
-def test_a_window_without_anything_of_the_log_is_refused(
-    start: str | None, end: str | None, what: str
-) -> None:
+def test_a_window_without_anything_of_the_log_is_refused(start, end, what):
     times = [parse_time(one) if one else None for one in (start, end)]
     with pytest.raises(UsageError) as caught:
         time_window((_START, _END), *times)

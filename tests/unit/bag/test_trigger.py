@@ -10,17 +10,17 @@ from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Packet
 
 
-def joints(*efforts: float) -> Packet:
+def joints(*efforts):
     message = JointState()
     message.effort = efforts
     return Packet("/joints", encode(message), 0)
 
 
-def trigger(condition: str) -> Trigger:
+def trigger(condition):
     return Trigger(f"/joints {condition}", GLOBAL, lambda _: ("sensor_msgs/JointState",))
 
 
-def test_a_message_that_the_condition_cannot_be_judged_of_does_not_meet_it() -> None:
+def test_a_message_that_the_condition_cannot_be_judged_of_does_not_meet_it():
     is_wanted = trigger("m.effort[1] > 0.5")
     packets = joints(), joints(0.0, 0.9), joints(0.0, 0.1), Packet("/joints", b"other", 0)
     assert [is_wanted(packet) for packet in packets] == [False, True, False, False]
@@ -33,6 +33,6 @@ def test_a_message_that_the_condition_cannot_be_judged_of_does_not_meet_it() -> 
         ("m.effort[0] > 'x'", "'>' not supported between instances of 'float' and 'str'"),
     ],
 )
-def test_a_condition_that_does_not_fit_the_messages_is_an_error(condition: str, words: str) -> None:
+def test_a_condition_that_does_not_fit_the_messages_is_an_error(condition, words):
     with pytest.raises(ValueMismatch, match=words):
         trigger(condition)(joints(1.0))

@@ -1,7 +1,6 @@
 """Logs as they are written, and their index."""
 
 import os
-from pathlib import Path
 
 import lcm
 import pytest
@@ -11,7 +10,6 @@ from fixtures.says import raises_saying
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.observe.reading.log_file import LogFile, index_path
-from lcmtools.wire.log_compression import Compression
 from lcmtools.wire.log_index import LostMessages, RecordedNode, RecordedType
 from lcmtools.wire.packet import Packet, Sender
 
@@ -19,16 +17,16 @@ _ONE, _OTHER = Sender("127.0.0.1", 4001), Sender("127.0.0.1", 4002)
 _MINUTE = 60_000_000_000
 
 
-def _packet(number: int, channel: str = "/a", size: int = 8) -> Packet:
+def _packet(number, channel="/a", size=8):
     return Packet(channel, bytes([number % 256]) * size, number * 1_000_000)
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     return tmp_path / "ride.lcmlog"
 
 
-def test_a_log_has_the_messages_in_order_with_their_senders(path: Path) -> None:
+def test_a_log_has_the_messages_in_order_with_their_senders(path):
     with LogWriter(path) as writer:
         senders = [writer.sender_number(_ONE, "/driver"), writer.sender_number(_OTHER, "b.py")]
         for number in range(10):
@@ -42,7 +40,7 @@ def test_a_log_has_the_messages_in_order_with_their_senders(path: Path) -> None:
     assert [packet.time for packet in found] == [n * 1_000_000 for n in range(10)]
 
 
-def test_a_log_that_was_not_closed_is_read_to_its_last_message(path: Path) -> None:
+def test_a_log_that_was_not_closed_is_read_to_its_last_message(path):
     writer = LogWriter(path)
     number = writer.sender_number(_ONE, "/driver")
     for second in range(0, 40, 4):
@@ -58,7 +56,7 @@ def test_a_log_that_was_not_closed_is_read_to_its_last_message(path: Path) -> No
     writer.close()
 
 
-def test_types_announcements_and_losses_are_kept(path: Path) -> None:
+def test_types_announcements_and_losses_are_kept(path):
     kind = RecordedType("a_msgs/A", 2**64 - 1, "a_msgs/A.lcm", "package a_msgs;\nstruct A {}\n")
     with LogWriter(path) as writer:
         writer.add_types([kind, kind])
@@ -73,7 +71,7 @@ def test_types_announcements_and_losses_are_kept(path: Path) -> None:
     assert index_path(path).read_text().count("a_msgs/A.lcm") == 1
 
 
-def test_a_file_that_exists_is_replaced_only_when_forced(path: Path) -> None:
+def test_a_file_that_exists_is_replaced_only_when_forced(path):
     path.write_text("mine")
     with raises_saying(LcmtoolsError, "exists; ", "--force"):
         LogWriter(path)
@@ -82,7 +80,7 @@ def test_a_file_that_exists_is_replaced_only_when_forced(path: Path) -> None:
     assert path.read_bytes() == b""
 
 
-def test_a_full_disk_leaves_whole_events(path: Path) -> None:
+def test_a_full_disk_leaves_whole_events(path):
     writer = LogWriter(path)
     for number in range(100):
         writer.add(_packet(number, size=300))
@@ -99,7 +97,7 @@ def test_a_full_disk_leaves_whole_events(path: Path) -> None:
     assert path.stat().st_size % (28 + 2 + 300) == 0
 
 
-def test_an_index_of_another_file_says_nothing(path: Path) -> None:
+def test_an_index_of_another_file_says_nothing(path):
     with LogWriter(path) as writer:
         writer.add(_packet(1), writer.sender_number(_ONE, "/driver"))
     path.write_bytes(path.read_bytes() * 2)
@@ -107,7 +105,7 @@ def test_an_index_of_another_file_says_nothing(path: Path) -> None:
         assert [packet.sender for packet in log.packets()] == [None, None]
 
 
-def test_a_pipe_in_place_of_the_index_is_not_waited_for(path: Path) -> None:
+def test_a_pipe_in_place_of_the_index_is_not_waited_for(path):
     LogWriter(path).close()
     index_path(path).unlink()
     os.mkfifo(index_path(path))
@@ -115,7 +113,7 @@ def test_a_pipe_in_place_of_the_index_is_not_waited_for(path: Path) -> None:
         assert log.index.blocks == []
 
 
-def test_the_times_of_the_index_are_those_of_the_log(path: Path) -> None:
+def test_the_times_of_the_index_are_those_of_the_log(path):
     with LogWriter(path) as writer:
         writer.add(Packet("/a", b"", 1_234_567))
         writer.add(Packet("/a", b"", 2_345_678))
@@ -125,7 +123,7 @@ def test_the_times_of_the_index_are_those_of_the_log(path: Path) -> None:
     assert times == [block.first_time, block.last_time] == [1_234_000, 2_345_000]
 
 
-def test_the_offset_of_a_time_is_not_behind_its_messages(path: Path) -> None:
+def test_the_offset_of_a_time_is_not_behind_its_messages(path):
     times = [0, 3, 1, 2, 9, 4, 12]  # minutes: a block each, not all in order
     with LogWriter(path) as writer:
         for minute in times:
@@ -142,9 +140,7 @@ def test_the_offset_of_a_time_is_not_behind_its_messages(path: Path) -> None:
 
 
 @pytest.mark.parametrize("compression", ["zstd", "lz4"])
-def test_a_compressed_log_is_read_as_a_plain_one_even_cut_off(
-    path: Path, compression: Compression
-) -> None:
+def test_a_compressed_log_is_read_as_a_plain_one_even_cut_off(path, compression):
     with LogWriter(path, compression=compression) as writer:
         for number in range(10):
             writer.add(_packet(number, size=10_000), writer.sender_number(_ONE, "/driver"))
@@ -162,7 +158,7 @@ def test_a_compressed_log_is_read_as_a_plain_one_even_cut_off(
         assert len(list(log.packets())) == 9
 
 
-def test_a_full_disk_leaves_whole_frames(path: Path) -> None:
+def test_a_full_disk_leaves_whole_frames(path):
     writer = LogWriter(path, compression="lz4")
     for number in range(3):
         writer.add(Packet("/a", os.urandom(3000), number))
@@ -179,7 +175,7 @@ def test_a_full_disk_leaves_whole_frames(path: Path) -> None:
         assert len(list(log.packets())) == 3
 
 
-def test_decompressing_makes_a_log_that_others_read(path: Path) -> None:
+def test_decompressing_makes_a_log_that_others_read(path):
     import zstandard
 
     with LogWriter(path, compression="zstd") as writer:

@@ -1,21 +1,15 @@
 """Fixtures of the tests of filters: the kernel's machine for them."""
 
-from collections.abc import Callable, Sequence
-
 import pytest
-
-from lcmtools.bus.socket_filter import Instruction
-
-LetsPass = Callable[..., bool]
 
 
 @pytest.fixture(scope="session")
-def lets_pass() -> LetsPass:
+def lets_pass():
     """``lets_pass(program, datagram, port=0)``: what the kernel would answer."""
     return _run
 
 
-def _run(program: Sequence[Instruction], datagram: bytes, port: int = 0) -> bool:  # noqa: C901 - an operation a branch
+def _run(program, datagram, port=0):  # noqa: C901 - an operation a branch
     """The machine of linux/filter.h, which is that of BSD's bpf(4)."""
     packet = port.to_bytes(2, "big") + bytes(6) + datagram  # behind the UDP header
     accumulator = index = position = 0

@@ -1,8 +1,5 @@
 """The filters of a bus for nodes, run here by a small machine of the tests' own."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,8 +8,6 @@ from lcmtools.bus import group_receiver, multicast
 from lcmtools.bus.group_receiver import GroupReceiver
 from lcmtools.bus.kernel import IS_LINUX
 from lcmtools.bus.socket_filter import (
-    FilterProgram,
-    Instruction,
     everything,
     these_channels,
     these_endings,
@@ -21,7 +16,6 @@ from lcmtools.bus.socket_filter import (
 from lcmtools.bus.url import parse_url
 from lcmtools.wire.datagram import fragments, short_message
 
-LetsPass = Callable[..., bool]
 _LONG = [f"/{number:02}" + "c" * 60 for number in range(50)]
 _IMAGE = list(fragments(1, "/camera/image", bytes(300_000)))
 _DENIED = (4000, 300_000)
@@ -34,13 +28,13 @@ _DENIED = (4000, 300_000)
         wanted(these_endings([b"%04d" % number for number in range(50)]), [_DENIED] * 16),
     ],
 )
-def test_the_kernel_takes_programs_of_this_size(program: FilterProgram) -> None:
+def test_the_kernel_takes_programs_of_this_size(program):
     assert len(program) < 4096
     assert all(0 <= step.if_true < 256 and 0 <= step.if_false < 256 for step in program)
 
 
 @pytest.mark.parametrize("size", [1, 2, 62, 63])
-def test_names_of_all_lengths_pass(lets_pass: LetsPass, size: int) -> None:
+def test_names_of_all_lengths_pass(lets_pass, size):
     program = wanted(these_channels(["c" * size]))
     assert lets_pass(program, short_message(7, "c" * size, b""))
     assert lets_pass(program, short_message(7, "c" * size, b"payload"))
@@ -52,9 +46,7 @@ def test_names_of_all_lengths_pass(lets_pass: LetsPass, size: int) -> None:
     st.text("ab", min_size=1, max_size=11),
     st.binary(max_size=3),
 )
-def test_only_messages_on_the_channels_pass(
-    lets_pass: LetsPass, channels: set[str], channel: str, payload: bytes
-) -> None:
+def test_only_messages_on_the_channels_pass(lets_pass, channels, channel, payload):
     program = wanted(these_channels(channels))
     first = next(fragments(7, channel, payload))
     assert lets_pass(program, short_message(7, channel, payload)) == (channel in channels)
@@ -66,9 +58,7 @@ def test_only_messages_on_the_channels_pass(
     st.text("ab", min_size=4, max_size=63),
     st.binary(max_size=3),
 )
-def test_only_messages_on_channels_with_the_endings_pass(
-    lets_pass: LetsPass, endings: set[str], channel: str, payload: bytes
-) -> None:
+def test_only_messages_on_channels_with_the_endings_pass(lets_pass, endings, channel, payload):
     program = wanted(these_endings([ending.encode() for ending in endings]))
     first = next(fragments(7, channel, payload))
     assert lets_pass(program, short_message(7, channel, payload)) == (channel[-4:] in endings)
@@ -76,13 +66,13 @@ def test_only_messages_on_channels_with_the_endings_pass(
 
 
 @given(st.binary(max_size=80), st.sampled_from([b"", b"LC02", b"LC03", b"LC04"]))
-def test_no_datagram_confuses_a_filter(lets_pass: LetsPass, rest: bytes, magic: bytes) -> None:
+def test_no_datagram_confuses_a_filter(lets_pass, rest, magic):
     is_known = (magic + rest)[:4] in (b"LC02", b"LC03")
     for test in (everything, these_channels(["/a"]), these_endings([b"/abc"])):
         assert not lets_pass(wanted(test), magic + rest) or is_known
 
 
-def test_later_fragments_pass_whatever_their_channel(lets_pass: LetsPass) -> None:
+def test_later_fragments_pass_whatever_their_channel(lets_pass):
     program = wanted(these_channels(["/other"]))
     assert [lets_pass(program, part) for part in _IMAGE] == [False, True, True, True, True]
 
@@ -91,15 +81,13 @@ def test_later_fragments_pass_whatever_their_channel(lets_pass: LetsPass) -> Non
     ("port", "size", "passes"),
     [(4000, 300_000, False), (4001, 300_000, True), (4000, 299_999, True)],
 )
-def test_later_fragments_of_unwanted_messages_are_dropped(
-    lets_pass: LetsPass, port: int, size: int, *, passes: bool
-) -> None:
+def test_later_fragments_of_unwanted_messages_are_dropped(lets_pass, port, size, *, passes):
     program = wanted(these_channels(["/camera/image"]), [(9, 9), _DENIED])
     parts = list(fragments(1, "/camera/image", bytes(size)))
     assert [lets_pass(program, part, port) for part in parts] == [True, *[passes] * 4]
 
 
-def test_each_fragment_passes_to_one_share(lets_pass: LetsPass) -> None:
+def test_each_fragment_passes_to_one_share(lets_pass):
     test = these_channels(["/camera/image"])
     shares = [wanted(test, shorts=False, share=(share, 4)) for share in range(4)]
     passing = [[lets_pass(program, part) for part in _IMAGE] for program in shares]
@@ -113,25 +101,25 @@ def test_each_fragment_passes_to_one_share(lets_pass: LetsPass) -> None:
 class Attached:
     """The programs of a receiver's sockets, as the kernel would have them."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.programs: dict[object, Sequence[Instruction]] = {}
+    def __init__(self, monkeypatch):
+        self.programs = {}
         for module in (multicast, group_receiver):
             monkeypatch.setattr(module, "attach", self._attach)
         monkeypatch.setattr(group_receiver, "IS_LINUX", True)
 
-    def _attach(self, receiver: object, program: Sequence[Instruction]) -> bool:
+    def _attach(self, receiver, program):
         self.programs[receiver] = program
         return True
 
 
 @pytest.fixture
-def attached(monkeypatch: pytest.MonkeyPatch) -> Attached:
+def attached(monkeypatch):
     """The programs that are attached."""
     return Attached(monkeypatch)
 
 
 @pytest.mark.usefixtures("attached")
-def test_a_fleets_next_robot_passes_a_filter_of_endings_already(bus_url: str) -> None:
+def test_a_fleets_next_robot_passes_a_filter_of_endings_already(bus_url):
     receiver = GroupReceiver(parse_url(bus_url), ())
     receiver.let_pass([f"/husky{number}/odometry" for number in range(50)])
     of_few = receiver.passes("/husky50/odometry")
@@ -142,8 +130,8 @@ def test_a_fleets_next_robot_passes_a_filter_of_endings_already(bus_url: str) ->
 
 
 def test_a_receiver_has_more_sockets_when_large_messages_need_them(
-    attached: Attached, lets_pass: LetsPass, bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    attached, lets_pass, bus_url, monkeypatch
+):
     monkeypatch.setattr(multicast, "receive_buffer_bytes", lambda: 212_992)
     receiver = GroupReceiver(parse_url(bus_url), ())
     receiver.let_pass(["/camera/image"])
@@ -162,10 +150,8 @@ def test_a_receiver_has_more_sockets_when_large_messages_need_them(
     assert sockets == ([1, 5] if IS_LINUX else [1, 1])
 
 
-def test_without_filters_one_socket_receives_everything(
-    bus_url: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*_: Any) -> bool:
+def test_without_filters_one_socket_receives_everything(bus_url, monkeypatch):
+    def refuse(*_):
         return False
 
     for module in (multicast, group_receiver):

@@ -12,24 +12,24 @@ from lcmtools.errors import BusError
 class _Server:
     """A server that can be down, and a clock."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.is_up = True
         self.now = 10.0
         self.subscribed = 0
-        self.outages: list[tuple[str, str]] = []
+        self.outages = []
 
-    def open(self, _url: object) -> object:
+    def open(self, _url):
         if not self.is_up:
             raise BusError("it is down")
         return object()
 
-    def subscribe(self, _instance: object) -> None:
+    def subscribe(self, _instance):
         self.subscribed += 1
 
-    def on_outage(self, text: str, trouble: str) -> None:
+    def on_outage(self, text, trouble):
         self.outages.append((text, trouble))
 
-    def pauses(self, connection: Connection, count: int) -> list[float]:
+    def pauses(self, connection, count):
         """The times that ``count`` attempts wait."""
         found = []
         for _ in range(count):
@@ -43,7 +43,7 @@ class _Server:
 
 
 @pytest.fixture
-def server(monkeypatch: pytest.MonkeyPatch) -> _Server:
+def server(monkeypatch):
     """A server that liblcm connects to."""
     server = _Server()
     monkeypatch.setattr(liblcm, "open_lcm", server.open)
@@ -51,16 +51,16 @@ def server(monkeypatch: pytest.MonkeyPatch) -> _Server:
     return server
 
 
-def _connection(server: _Server, url: str = "tcpq://localhost:7700") -> Connection:
+def _connection(server, url="tcpq://localhost:7700"):
     return Connection(parse_url(url), server.subscribe, server.on_outage)
 
 
-def test_a_connection_that_works_waits_for_nothing(server: _Server) -> None:
+def test_a_connection_that_works_waits_for_nothing(server):
     connection = _connection(server)
     assert (connection.is_lost, connection.left(), server.subscribed) == (False, None, 1)
 
 
-def test_each_attempt_waits_twice_as_long_up_to_two_seconds(server: _Server) -> None:
+def test_each_attempt_waits_twice_as_long_up_to_two_seconds(server):
     connection = _connection(server)
     server.is_up = False
     connection.lose()
@@ -68,7 +68,7 @@ def test_each_attempt_waits_twice_as_long_up_to_two_seconds(server: _Server) -> 
     assert connection.instance is None
 
 
-def test_a_connection_that_is_back_subscribes_again_and_says_so(server: _Server) -> None:
+def test_a_connection_that_is_back_subscribes_again_and_says_so(server):
     connection = _connection(server)
     server.is_up = False
     connection.lose()
@@ -84,7 +84,7 @@ def test_a_connection_that_is_back_subscribes_again_and_says_so(server: _Server)
     assert trouble == ""
 
 
-def test_the_next_outage_begins_with_short_pauses_again(server: _Server) -> None:
+def test_the_next_outage_begins_with_short_pauses_again(server):
     connection = _connection(server)
     server.is_up = False
     connection.lose()
@@ -95,7 +95,7 @@ def test_the_next_outage_begins_with_short_pauses_again(server: _Server) -> None
     assert server.pauses(connection, 1) == [0.2]
 
 
-def test_a_log_that_has_ended_is_not_opened_again(server: _Server) -> None:
+def test_a_log_that_has_ended_is_not_opened_again(server):
     connection = _connection(server, "file:///tmp/a.log")
     connection.lose()
     assert (connection.instance, connection.is_lost, server.outages) == (None, False, [])

@@ -3,13 +3,12 @@
 import pytest
 from fixtures.fake_bus import FakeBus
 
-from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError, InvalidName
 
 
-def test_a_message_reaches_every_handler_of_exactly_its_channel() -> None:
-    bus: Bus = FakeBus()
-    heard: list[tuple[str, bytes]] = []
+def test_a_message_reaches_every_handler_of_exactly_its_channel():
+    bus = FakeBus()
+    heard = []
     bus.subscribe("/a.b+", lambda payload, _: heard.append(("one", payload)))
     bus.subscribe("/a.b+", lambda payload, _: heard.append(("two", payload)))
     bus.subscribe("/aXb+", lambda payload, _: heard.append(("other", payload)))
@@ -17,7 +16,7 @@ def test_a_message_reaches_every_handler_of_exactly_its_channel() -> None:
     assert heard == [("one", b"x"), ("two", b"x")]
 
 
-def test_everything_that_is_sent_is_kept() -> None:
+def test_everything_that_is_sent_is_kept():
     bus = FakeBus()
     bus.publish("a", b"1")
     bus.publish("b", b"2")
@@ -25,11 +24,11 @@ def test_everything_that_is_sent_is_kept() -> None:
     assert bus.ports == []
 
 
-def test_an_unsubscribed_handler_hears_nothing_even_when_undone_twice() -> None:
+def test_an_unsubscribed_handler_hears_nothing_even_when_undone_twice():
     bus = FakeBus()
-    heard: list[bytes] = []
+    heard = []
 
-    def handler(payload: bytes, _time: int) -> None:
+    def handler(payload, _time):
         heard.append(payload)
         bus.unsubscribe("a", handler)
 
@@ -41,7 +40,7 @@ def test_an_unsubscribed_handler_hears_nothing_even_when_undone_twice() -> None:
 
 
 @pytest.mark.parametrize("channel", ["", "a" * 64, "a\0"])
-def test_a_channel_that_lcm_cannot_carry_is_refused(channel: str) -> None:
+def test_a_channel_that_lcm_cannot_carry_is_refused(channel):
     bus = FakeBus()
     with pytest.raises(InvalidName):
         bus.publish(channel, b"")
@@ -49,7 +48,7 @@ def test_a_channel_that_lcm_cannot_carry_is_refused(channel: str) -> None:
         bus.subscribe(channel, lambda _payload, _time: None)
 
 
-def test_a_closed_bus_takes_no_message() -> None:
+def test_a_closed_bus_takes_no_message():
     bus = FakeBus()
     bus.close()
     bus.close()

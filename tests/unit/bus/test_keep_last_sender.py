@@ -15,27 +15,27 @@ from lcmtools.bus.zenoh.keep_last_sender import (
 class _Line:
     """A network that takes a message when it is told to."""
 
-    def __init__(self) -> None:
-        self.taken: list[Outgoing] = []
+    def __init__(self):
+        self.taken = []
         self.begun = threading.Semaphore(0)
         self.room = threading.Semaphore(0)
 
-    def put(self, message: Outgoing) -> None:
+    def put(self, message):
         """Take a message when there is room."""
         self.begun.release()
         self.room.acquire()
         self.taken.append(message)
 
 
-def _message(key: str, number: int, size: int = 8) -> Outgoing:
+def _message(key, number, size=8):
     return Outgoing(key, bytes([number]) * size)
 
 
-def _numbers(line: _Line, key: str) -> list[int]:
+def _numbers(line, key):
     return [message.payload[0] for message in line.taken if message.key == key]
 
 
-def test_commands_wait_in_order_and_images_are_replaced_by_newer_ones() -> None:
+def test_commands_wait_in_order_and_images_are_replaced_by_newer_ones():
     line = _Line()
     sender = KeepLastSender(line.put)
     sender.add(_message("other", 0))
@@ -58,7 +58,7 @@ class _Interrupted(bytes):
 
     handle: Callable[[], None] | None = None
 
-    def __len__(self) -> int:
+    def __len__(self):
         """Return the size."""
         handle, self.handle = self.handle, None
         if handle:
@@ -66,7 +66,7 @@ class _Interrupted(bytes):
         return super().__len__()
 
 
-def test_a_signal_handler_may_publish_while_a_message_is_queued() -> None:
+def test_a_signal_handler_may_publish_while_a_message_is_queued():
     line = _Line()
     sender = KeepLastSender(line.put)
     sender.add(_message("other", 0))
@@ -81,7 +81,7 @@ def test_a_signal_handler_may_publish_while_a_message_is_queued() -> None:
     assert _numbers(line, "last") == [3]
 
 
-def test_each_topic_has_its_turn(wait_until: Callable[..., None]) -> None:
+def test_each_topic_has_its_turn(wait_until):
     line = _Line()
     sender = KeepLastSender(line.put)
     for number in range(3):
@@ -94,7 +94,7 @@ def test_each_topic_has_its_turn(wait_until: Callable[..., None]) -> None:
     sender.close()
 
 
-def test_what_would_arrive_too_late_is_dropped() -> None:
+def test_what_would_arrive_too_late_is_dropped():
     line = _Line()
     sender = KeepLastSender(line.put)
     now = time.clock_gettime_ns(CLOCK)
@@ -109,7 +109,7 @@ def test_what_would_arrive_too_late_is_dropped() -> None:
     assert sender.dropped == 1
 
 
-def test_closing_waits_for_half_a_second_only() -> None:
+def test_closing_waits_for_half_a_second_only():
     line = _Line()
     sender = KeepLastSender(line.put)
     sender.add(_message("a", 0))
@@ -118,7 +118,7 @@ def test_closing_waits_for_half_a_second_only() -> None:
     line.room.release()
 
 
-def test_images_wait_through_a_short_stall_of_the_network() -> None:
+def test_images_wait_through_a_short_stall_of_the_network():
     line = _Line()
     sender = KeepLastSender(line.put)
     now = time.clock_gettime_ns(CLOCK)

@@ -1,7 +1,6 @@
 """A server of tcpq is reached although the network loses what asks for a connection."""
 
 import socket
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -14,14 +13,14 @@ from lcmtools.wire.tcpq import CLIENT_GREETING, SERVER_GREETING
 _COUNTERS = Path("/proc/net/netstat")
 
 
-def _turned_away() -> int:
+def _turned_away():
     """The number of attempts to connect that were dropped, as by a full line."""
     names, values = (line.split() for line in _COUNTERS.read_text().splitlines()[:2])
     return int(values[names.index("ListenOverflows")])
 
 
 @pytest.mark.skipif(not _COUNTERS.exists(), reason="counts as Linux does")
-def test_a_lost_attempt_to_connect_is_made_again(wait_until: Callable[..., None]) -> None:
+def test_a_lost_attempt_to_connect_is_made_again(wait_until):
     with socket.create_server(("127.0.0.1", 0), backlog=0) as server, ThreadPoolExecutor(1) as pool:
         server.settimeout(40.0)
         address = server.getsockname()

@@ -19,7 +19,7 @@ from lcmtools.bus.processes import (
 )
 
 
-def test_a_row_of_the_socket_table_is_read() -> None:
+def test_a_row_of_the_socket_table_is_read():
     row = (
         "  523: 434CFFEF:1DF3 00000000:0000 07 00000000:00030C00 00:00000000 00000000  1000"
         "        0 33445 2 00000000f00ba4 7499"
@@ -29,7 +29,7 @@ def test_a_row_of_the_socket_table_is_read() -> None:
     )
 
 
-def test_sockets_of_java_which_are_of_ipv6_are_found() -> None:
+def test_sockets_of_java_which_are_of_ipv6_are_found():
     with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as dual:
         dual.bind(("::", 0))
         port = dual.getsockname()[1]
@@ -38,7 +38,7 @@ def test_sockets_of_java_which_are_of_ipv6_are_found() -> None:
         assert receive_buffers()[row.inode] > 0
 
 
-def test_the_interfaces_on_which_a_socket_is_in_a_group_are_known() -> None:
+def test_the_interfaces_on_which_a_socket_is_in_a_group_are_known():
     group = "239.255.77.77"
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as member:
         inode = os.fstat(member.fileno()).st_ino
@@ -50,7 +50,7 @@ def test_the_interfaces_on_which_a_socket_is_in_a_group_are_known() -> None:
         assert joined_interfaces(os.getpid(), 1, group) == ()
 
 
-def test_this_process_is_found_by_its_pid() -> None:
+def test_this_process_is_found_by_its_pid():
     own = process_of(os.getpid())
     assert own is not None
     assert own.pid == os.getpid()
@@ -59,7 +59,7 @@ def test_this_process_is_found_by_its_pid() -> None:
 
 
 @pytest.mark.parametrize("name", [b"a) b (c", "fünfzehn Zeichn€".encode()[:15], b"\xff"])
-def test_a_process_with_a_strange_name_is_read(name: bytes) -> None:
+def test_a_process_with_a_strange_name_is_read(name):
     """The kernel cuts a name after 15 bytes, also within a character."""
     source = (
         f"import sys; open('/proc/self/comm', 'wb').write({name!r}); print(flush=True);"
@@ -79,7 +79,7 @@ def test_a_process_with_a_strange_name_is_read(name: bytes) -> None:
         assert usage is not None
 
 
-def test_nothing_runs_under_an_impossible_pid() -> None:
+def test_nothing_runs_under_an_impossible_pid():
     assert process_of(0) is None
     assert process_of(1 << 40) is None
     assert process_of(-1) is None
@@ -89,16 +89,16 @@ def test_nothing_runs_under_an_impossible_pid() -> None:
     ("address", "local"),
     [("127.0.0.1", True), ("127.9.9.9", True), ("0.0.0.0", True), ("203.0.113.9", False)],  # noqa: S104
 )
-def test_an_address_of_this_computer_is_known(address: str, *, local: bool) -> None:
+def test_an_address_of_this_computer_is_known(address, *, local):
     assert processes.is_local(address) is local
 
 
-def test_a_port_that_nobody_has_leads_to_no_process() -> None:
+def test_a_port_that_nobody_has_leads_to_no_process():
     assert processes.senders_from(0, [], {}).only is None
     assert processes.owners([]) == {}
 
 
-def test_a_process_is_stopped_until_it_is_continued() -> None:
+def test_a_process_is_stopped_until_it_is_continued():
     with subprocess.Popen(["sleep", "60"]) as child:  # noqa: S607
         os.kill(child.pid, signal.SIGSTOP)
         os.waitid(os.P_PID, child.pid, os.WSTOPPED)

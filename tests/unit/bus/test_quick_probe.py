@@ -9,10 +9,10 @@ from lcmtools.graph.protocol import PROBE_CHANNEL, Probe, encode_probe
 from lcmtools.wire.datagram import short_message
 
 
-def test_the_question_is_the_probe_of_the_protocol() -> None:
+def test_the_question_is_the_probe_of_the_protocol():
     assert short_message(0, PROBE_CHANNEL, encode_probe(Probe())) == PROBE
 
 
-def test_only_a_multicast_bus_can_be_probed() -> None:
+def test_only_a_multicast_bus_can_be_probed():
     with pytest.raises(BusError, match="multicast"):
         QuickProbe(parse_url("tcpq://127.0.0.1:7700"))

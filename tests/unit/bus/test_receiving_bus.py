@@ -3,7 +3,6 @@
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -21,31 +20,31 @@ _LONG = 20.0  # [s]
 class PipeBus(ReceivingBus):
     """Each byte in one of its pipes is a message on channel "a"."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__(parse_url("memq://"))
-        self.threads: list[int] = []
+        self.threads = []
         self.ends = [os.pipe(), os.pipe()]
         self._subscribe("a", lambda _payload, _time: self.threads.append(threading.get_ident()))
         self._start()
 
-    def send(self, messages: int, pipe: int = 0) -> None:
+    def send(self, messages, pipe=0):
         """Let messages arrive."""
         os.write(self.ends[pipe][1], bytes(messages))
 
-    def on_receiver(self, work: Callable[[], None]) -> None:
+    def on_receiver(self, work):
         """Run ``work`` on the receiving thread."""
         self._on_receiver(work)
 
-    def _begin(self, channel: str) -> None:
+    def _begin(self, channel):
         assert channel == "a"
 
-    def _end(self, channel: str) -> None:
+    def _end(self, channel):
         raise AssertionError(channel)
 
-    def _descriptors(self) -> Sequence[int]:
+    def _descriptors(self):
         return [read for read, _ in self.ends]
 
-    def _receive(self, most: int) -> int:
+    def _receive(self, most):
         count = 0
         for read, _ in self.ends:
             os.set_blocking(read, False)
@@ -57,7 +56,7 @@ class PipeBus(ReceivingBus):
             self._dispatch("a", b"x", 0)
         return count
 
-    def _leave(self) -> None:
+    def _leave(self):
         for end in self.ends:
             for descriptor in end:
                 os.close(descriptor)
@@ -65,7 +64,7 @@ class PipeBus(ReceivingBus):
 
 
 @pytest.fixture
-def bus(monkeypatch: pytest.MonkeyPatch) -> Iterator[PipeBus]:
+def bus(monkeypatch):
     """A bus whose own thread does not receive for a thread that is away."""
     monkeypatch.setattr(receive_right, "_PATIENCE", 3600.0)
     bus = PipeBus()
@@ -74,7 +73,7 @@ def bus(monkeypatch: pytest.MonkeyPatch) -> Iterator[PipeBus]:
 
 
 @pytest.fixture
-def never() -> Iterator[WakeupEvent]:
+def never():
     """An event that is not set."""
     event = WakeupEvent()
     yield event
@@ -82,16 +81,14 @@ def never() -> Iterator[WakeupEvent]:
 
 
 @pytest.mark.parametrize("pipe", [0, 1])
-def test_each_descriptor_wakes_the_thread_that_waits(
-    bus: PipeBus, never: WakeupEvent, pipe: int
-) -> None:
+def test_each_descriptor_wakes_the_thread_that_waits(bus, never, pipe):
     bus.wait(never, 0.0)
     bus.send(1, pipe)
     bus.wait(never, _LONG)
     assert bus.threads == [threading.get_ident()]
 
 
-def test_its_own_thread_receives_until_another_waits() -> None:
+def test_its_own_thread_receives_until_another_waits():
     bus, received = PipeBus(), WakeupEvent()
     bus.on_received = received.set
     bus.send(3)
@@ -102,9 +99,7 @@ def test_its_own_thread_receives_until_another_waits() -> None:
     assert threading.get_ident() not in bus.threads
 
 
-def test_few_messages_of_a_burst_are_handled_at_a_time_but_not_of_one_without_end(
-    bus: PipeBus, never: WakeupEvent
-) -> None:
+def test_few_messages_of_a_burst_are_handled_at_a_time_but_not_of_one_without_end(bus, never):
     bus.wait(never, 0.0)
     bus.send(200)
     handled = []
@@ -118,23 +113,23 @@ def test_few_messages_of_a_burst_are_handled_at_a_time_but_not_of_one_without_en
 class Gate:
     """A handler that holds its thread until it is let go, once."""
 
-    def __init__(self, bus: PipeBus) -> None:
+    def __init__(self, bus):
         self.is_entered, self._is_open = threading.Event(), threading.Event()
         bus._handlers[b"a"] = (*bus._handlers[b"a"], self._hold)
 
-    def open(self) -> None:
+    def open(self):
         """Let the thread go."""
         self._is_open.set()
 
-    def _hold(self, _payload: bytes, _time: int) -> None:
+    def _hold(self, _payload, _time):
         self.is_entered.set()
         assert self._is_open.wait(_LONG)
 
 
 @pytest.mark.parametrize("is_leading", [False, True])
 def test_a_thread_is_not_stuck_if_another_waits_while_it_takes_the_right_or_has_it(
-    bus: PipeBus, never: WakeupEvent, wait_until: Callable[..., None], *, is_leading: bool
-) -> None:
+    bus, never, wait_until, *, is_leading
+):
     gate, event, right = Gate(bus), WakeupEvent(), bus._right
     if is_leading:
         bus.wait(never, 0.0)
@@ -156,9 +151,9 @@ def test_a_thread_is_not_stuck_if_another_waits_while_it_takes_the_right_or_has_
     assert bus.threads[1] == right.own
 
 
-def test_a_request_is_served_once_while_a_thread_waits(bus: PipeBus, never: WakeupEvent) -> None:
+def test_a_request_is_served_once_while_a_thread_waits(bus, never):
     bus.wait(never, 0.0)
-    served: list[int] = []
+    served = []
     with ThreadPoolExecutor(1) as threads:
         request = threads.submit(bus.on_receiver, lambda: served.append(threading.get_ident()))
         deadline = time.monotonic() + _LONG
@@ -168,21 +163,21 @@ def test_a_request_is_served_once_while_a_thread_waits(bus: PipeBus, never: Wake
     assert len(served) == 1
 
 
-def test_an_error_of_a_request_is_raised_where_it_was_made(bus: PipeBus) -> None:
-    def fail() -> None:
+def test_an_error_of_a_request_is_raised_where_it_was_made(bus):
+    def fail():
         raise BusError("no such channel")
 
     with pytest.raises(BusError, match="no such channel"):
         bus.on_receiver(fail)
 
 
-def test_an_event_ends_a_wait_and_is_cleared(bus: PipeBus, never: WakeupEvent) -> None:
+def test_an_event_ends_a_wait_and_is_cleared(bus, never):
     never.set()
     bus.wait(never, _LONG)
     assert not never.is_set
 
 
-def test_a_closed_bus_refuses_requests_and_waits_for_events_only(never: WakeupEvent) -> None:
+def test_a_closed_bus_refuses_requests_and_waits_for_events_only(never):
     bus = PipeBus()
     bus.close()
     bus.close()
@@ -192,17 +187,15 @@ def test_a_closed_bus_refuses_requests_and_waits_for_events_only(never: WakeupEv
     assert bus.threads == []
 
 
-def test_a_bus_of_a_parent_refuses_requests() -> None:
+def test_a_bus_of_a_parent_refuses_requests():
     bus = PipeBus()
     bus.leave_to_parent()
     with raises_saying(BusError, "bus", "parent process"):
         bus.on_receiver(lambda: None)
 
 
-def test_a_signal_handler_may_close_the_bus_while_it_receives(
-    bus: PipeBus, never: WakeupEvent, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted(_most: int) -> int:
+def test_a_signal_handler_may_close_the_bus_while_it_receives(bus, never, monkeypatch):
+    def interrupted(_most):
         (descriptor, _), _ = bus.ends
         bus.close()
         return len(os.read(descriptor, 1))
@@ -214,16 +207,16 @@ def test_a_signal_handler_may_close_the_bus_while_it_receives(
     assert bus.ends == []
 
 
-def _fails(_payload: bytes, _time: int) -> None:
+def _fails(_payload, _time):
     raise BrokenPipeError(32, "Broken pipe")
 
 
 @pytest.mark.parametrize("waits", [True, False])
 def test_an_exception_of_a_handler_costs_it_one_message_and_is_reported_once(
-    bus: PipeBus, never: WakeupEvent, wait_until: Callable[..., None], *, waits: bool
-) -> None:
-    reports: list[str] = []
-    handled: list[int] = []
+    bus, never, wait_until, *, waits
+):
+    reports = []
+    handled = []
     bus.on_outage = reports.append
     bus._handlers[b"a"] = (_fails, lambda _payload, _time: handled.append(1))
     for _ in range(3):
@@ -234,8 +227,8 @@ def test_an_exception_of_a_handler_costs_it_one_message_and_is_reported_once(
     assert reports == ["receiving from a failed: BrokenPipeError: [Errno 32] Broken pipe"]
 
 
-def test_a_report_may_fail_too(bus: PipeBus, wait_until: Callable[..., None]) -> None:
-    def report(_text: str) -> None:
+def test_a_report_may_fail_too(bus, wait_until):
+    def report(_text):
         raise ValueError("I/O operation on closed file")
 
     bus.on_outage = report
@@ -247,14 +240,12 @@ def test_a_report_may_fail_too(bus: PipeBus, wait_until: Callable[..., None]) ->
     assert bus._thread.is_alive()
 
 
-def test_its_own_thread_outlives_a_fault_of_the_system(
-    bus: PipeBus, wait_until: Callable[..., None], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    reports: list[str] = []
+def test_its_own_thread_outlives_a_fault_of_the_system(bus, wait_until, monkeypatch):
+    reports = []
     bus.on_outage = reports.append
     receive, faults = bus._receive, [OSError(12, "Cannot allocate memory"), MemoryError()]
 
-    def once(most: int) -> int:
+    def once(most):
         if faults:
             raise faults.pop()
         return receive(most)
@@ -265,11 +256,11 @@ def test_its_own_thread_outlives_a_fault_of_the_system(
     assert len(reports) == 2
 
 
-def test_a_leader_that_has_just_gone_is_waited_for_though_an_earlier_turn_wakes() -> None:
+def test_a_leader_that_has_just_gone_is_waited_for_though_an_earlier_turn_wakes():
     right, looks = receive_right.ReceiveRight(is_lendable=True), []
     right.turns = 1
 
-    def has_work() -> bool:
+    def has_work():
         looks.append(right.is_away)
         right.wake_own()
         return len(looks) == 3

@@ -44,9 +44,7 @@ from lcmtools.errors import InvalidUrl, UsageError
         ("udpm://?ttl=1&ttl=2", "udpm", "239.255.76.67", 7667, {"ttl": "2"}),
     ],
 )  # fmt: skip
-def test_a_url_is_read_as_liblcm_reads_it(
-    text: str, provider: str, host: str, port: int, options: dict[str, str]
-) -> None:
+def test_a_url_is_read_as_liblcm_reads_it(text, provider, host, port, options):
     url = parse_url(text)
     assert (url.provider, url.host, url.port, url.options) == (provider, host, port, options)
 
@@ -87,9 +85,7 @@ def test_a_url_is_read_as_liblcm_reads_it(
         ("udpm://?recv_buf_size=1M", "recv_buf_size=1M is not a number", "udpm://"),
     ],
 )
-def test_a_wrong_url_says_what_is_wrong_and_how_it_should_look(
-    text: str, what: str, hint: str
-) -> None:
+def test_a_wrong_url_says_what_is_wrong_and_how_it_should_look(text, what, hint):
     with pytest.raises(InvalidUrl) as caught:
         parse_url(text, "LCM_DEFAULT_URL")
     assert caught.value.what.startswith(f"LCM_DEFAULT_URL '{text}'")
@@ -101,7 +97,7 @@ def test_a_wrong_url_says_what_is_wrong_and_how_it_should_look(
     ("text", "ttl"),
     [("udpm://", 0), ("udpm://?ttl=0", 0), ("udpm://?ttl=3", 3), ("udpm://?ttl=257", 1)],
 )
-def test_the_ttl_is_what_liblcm_makes_of_it(text: str, ttl: int) -> None:
+def test_the_ttl_is_what_liblcm_makes_of_it(text, ttl):
     assert parse_url(text).ttl == ttl
 
 
@@ -115,28 +111,28 @@ def test_the_ttl_is_what_liblcm_makes_of_it(text: str, ttl: int) -> None:
         "file:///tmp/a.log?mode=w",
     ],
 )
-def test_a_url_is_written_as_it_was_read(text: str) -> None:
+def test_a_url_is_written_as_it_was_read(text):
     assert str(parse_url(text)) == text
 
 
-def test_an_abbreviated_url_is_written_in_full() -> None:
+def test_an_abbreviated_url_is_written_in_full():
     assert str(parse_url("udpm://")) == "udpm://239.255.76.67:7667"
     assert str(parse_url("tcpq://")) == "tcpq://127.0.0.1:7700"
 
 
-def test_an_option_is_added_only_where_it_is_not_given() -> None:
+def test_an_option_is_added_only_where_it_is_not_given():
     url = parse_url("udpm://?recv_buf_size=1000")
     assert url.with_option("recv_buf_size", "9").options["recv_buf_size"] == "1000"
     assert url.with_option("ttl", "0").options["ttl"] == "0"
     assert "ttl" not in url.options
 
 
-def test_only_udpm_can_be_tapped() -> None:
+def test_only_udpm_can_be_tapped():
     assert parse_url("udpm://").is_multicast
     assert not any(parse_url(f"{p}://").is_multicast for p in ("mpudpm", "tcpq", "memq"))
 
 
-def test_a_domain_is_the_default_group_on_a_port_of_its_own() -> None:
+def test_a_domain_is_the_default_group_on_a_port_of_its_own():
     assert domain_url("3") == BusUrl(
         "udpm", "239.255.76.67:7670", {"ttl": "0"}, "239.255.76.67", 7670
     )
@@ -146,7 +142,7 @@ def test_a_domain_is_the_default_group_on_a_port_of_its_own() -> None:
 
 
 @pytest.mark.parametrize("domain", ["233", "-1", "x", "", " 3", "3.0", "\u0663", "1" * 5000])
-def test_what_is_no_domain_is_refused(domain: str) -> None:
+def test_what_is_no_domain_is_refused(domain):
     with pytest.raises(UsageError, match="is not a domain") as caught:
         domain_url(domain, "--domain")
     assert "0 to 232" in caught.value.hint
@@ -170,9 +166,7 @@ _ALL = {"LCM_DEFAULT_URL": "udpm://239.0.0.2:2", "LCMTOOLS_DOMAIN": "4"}
         (None, None, {}, 7667, "default"),
     ],
 )
-def test_the_nearest_word_about_the_bus_wins(
-    url: str | None, domain: str | None, environment: dict[str, str], port: int, source: str
-) -> None:
+def test_the_nearest_word_about_the_bus_wins(url, domain, environment, port, source):
     chosen, said_by = choose_url(url, domain, environment)
     assert (chosen.port, said_by) == (port, source)
 
@@ -184,15 +178,13 @@ def test_the_nearest_word_about_the_bus_wins(
         ({"LCMTOOLS_DOMAIN": "x"}, UsageError, "LCMTOOLS_DOMAIN"),
     ],
 )
-def test_a_wrong_environment_is_named(
-    environment: dict[str, str], error: type[UsageError], source: str
-) -> None:
+def test_a_wrong_environment_is_named(environment, error, source):
     with pytest.raises(error, match=source):
         choose_url(None, None, environment)
 
 
 @pytest.mark.parametrize("domain", ["0", "1", "2"])
-def test_another_domain_is_another_bus(domain: str) -> None:
+def test_another_domain_is_another_bus(domain):
     url = domain_url(domain)
     assert domain_url(str(another_domain(str(url)))) != url
 
@@ -224,7 +216,7 @@ _GROUP = "239.255.76.67:7667"
         ("zenoh://?patient=2", ["patient=2 has no effect; did you mean patience?"]),
     ],
 )
-def test_options_that_liblcm_does_not_take_are_named(url: str, notes: list[str]) -> None:
+def test_options_that_liblcm_does_not_take_are_named(url, notes):
     read = parse_url(url)
     assert list(misread_options(read, "LCM_DEFAULT_URL")) == [
         f"LCM_DEFAULT_URL {read}: {note}" for note in notes
@@ -232,7 +224,7 @@ def test_options_that_liblcm_does_not_take_are_named(url: str, notes: list[str])
 
 
 @given(st.text(max_size=40) | st.text("udpm:/?=&1.9", max_size=40).map("udpm://".__add__))
-def test_any_text_is_a_url_or_refused(text: str) -> None:
+def test_any_text_is_a_url_or_refused(text):
     try:
         url = parse_url(text)
     except InvalidUrl:

@@ -3,9 +3,7 @@
 import os
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,15 +11,13 @@ from lcmtools.bus.wakeup import WakeupEvent
 
 
 @pytest.fixture(autouse=True, params=["as it is", "without eventfd"])
-def system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+def system(request, monkeypatch):
     """Other systems than Linux have no eventfd."""
     if request.param == "without eventfd":
         monkeypatch.delattr(os, "eventfd", raising=False)
 
 
-def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(
-    stopwatch: Callable[[], Any],
-) -> None:
+def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(stopwatch):
     wakeup = WakeupEvent()
     for _ in range(3):
         wakeup.set()
@@ -35,11 +31,11 @@ def test_a_set_flag_makes_the_next_wait_return_at_once_and_only_that(
 
 
 @pytest.mark.timing
-def test_no_wake_up_is_lost_between_threads() -> None:
+def test_no_wake_up_is_lost_between_threads():
     """Work that is ready before the flag is set is always found without waiting long."""
     wakeup, work, done = WakeupEvent(), [], threading.Event()
 
-    def produce() -> None:
+    def produce():
         for number in range(5000):
             work.append(number)
             wakeup.set()
@@ -58,7 +54,7 @@ def test_no_wake_up_is_lost_between_threads() -> None:
     wakeup.close()
 
 
-def test_a_closed_wakeup_may_be_set_and_frees_its_files() -> None:
+def test_a_closed_wakeup_may_be_set_and_frees_its_files():
     before = sorted(Path("/proc/self/fd").iterdir())
     wakeup = WakeupEvent()
     wakeup.close()

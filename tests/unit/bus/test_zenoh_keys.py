@@ -17,7 +17,7 @@ _CHANNELS = st.text(_CHARACTERS, min_size=1, max_size=20).filter(
 _TYPES = st.sampled_from(["", "geometry_msgs/Twist", "a/B", "no package", "a.b/C"])
 
 
-def _is_bytes(name: str) -> bool:
+def _is_bytes(name):
     """A channel's name is bytes, read as UTF-8 where it can be."""
     try:
         data = name.encode("utf-8", "surrogateescape")
@@ -39,7 +39,7 @@ def _is_bytes(name: str) -> bool:
         ("\udcff", "lcm/%FF"),
     ],
 )
-def test_key_of_a_channel(channel: str, key: str) -> None:
+def test_key_of_a_channel(channel, key):
     assert LCM.key(channel) == key
     assert LCM.named(key) == Named(channel)
 
@@ -54,20 +54,20 @@ def test_key_of_a_channel(channel: str, key: str) -> None:
         ("/", "", "dimos/%/%2F"),
     ],
 )
-def test_dimos_key_names_the_type(channel: str, type_name: str, key: str) -> None:
+def test_dimos_key_names_the_type(channel, type_name, key):
     assert DIMOS.key(channel, type_name) == key
     assert DIMOS.named(key) == Named(channel, type_name)
 
 
 @given(_CHANNELS)
-def test_every_channel_has_a_key_of_its_own(channel: str) -> None:
+def test_every_channel_has_a_key_of_its_own(channel):
     key = LCM.key(channel)
     assert LCM.named(key) == Named(channel)
     assert zenoh.KeyExpr(LCM.all).includes(zenoh.KeyExpr(key))
 
 
 @given(_CHANNELS, _TYPES)
-def test_every_channel_has_a_dimos_key_of_its_own(channel: str, type_name: str) -> None:
+def test_every_channel_has_a_dimos_key_of_its_own(channel, type_name):
     key = DIMOS.key(channel, type_name)
     named = DIMOS.named(key)
     assert named is not None
@@ -78,12 +78,12 @@ def test_every_channel_has_a_dimos_key_of_its_own(channel: str, type_name: str) 
     assert sum(pattern.intersects(zenoh.KeyExpr(key)) for pattern in patterns) == 1
 
 
-def test_key_below_another_prefix_is_no_channel() -> None:
+def test_key_below_another_prefix_is_no_channel():
     assert LCM.named("lcmx/a") is None
     assert LCM.named("lcm") is None
 
 
-def test_prefix_is_letters_digits_and_parts() -> None:
+def test_prefix_is_letters_digits_and_parts():
     assert is_legal_prefix("lab/robot-7")
     for text in ("", "/a", "a/", "a//b", "a*", "@a", "a b"):
         assert not is_legal_prefix(text)

@@ -9,11 +9,11 @@ from lcmtools.bus.zenoh.url import Address
 from lcmtools.errors import InvalidUrl
 
 
-def _settings(url: str) -> dict[str, object]:
+def _settings(url):
     return dict(settings_of(parse_url(url).place, 0x12345678_00000001))
 
 
-def test_zenoh_stays_on_this_computer() -> None:
+def test_zenoh_stays_on_this_computer():
     settings = _settings("zenoh://")
     assert settings["mode"] == "peer"
     assert settings["listen/endpoints"] == ["tcp/127.0.0.1:0"]
@@ -21,7 +21,7 @@ def test_zenoh_stays_on_this_computer() -> None:
     assert settings["id"] == "6c636d746f6f6c731234567800000001"
 
 
-def test_zenoh_with_hosts_listens_nowhere() -> None:
+def test_zenoh_with_hosts_listens_nowhere():
     settings = _settings("zenoh://robot,10.0.0.2:7448,[::1]:7449")
     assert settings["mode"] == "client"
     assert settings["connect/endpoints"] == [
@@ -31,7 +31,7 @@ def test_zenoh_with_hosts_listens_nowhere() -> None:
     assert settings["scouting/multicast/enabled"] is False
 
 
-def test_zenoh_listens_where_it_is_told() -> None:
+def test_zenoh_listens_where_it_is_told():
     assert _settings("zenoh://?listen=0.0.0.0:7447")["listen/endpoints"] == [
         *("tcp/0.0.0.0:7447", "tcp/127.0.0.1:0")
     ]
@@ -43,7 +43,7 @@ def test_zenoh_listens_where_it_is_told() -> None:
     assert network["scouting/multicast/interface"] == "eth0"
 
 
-def test_zenoh_group_and_file_and_prefix() -> None:
+def test_zenoh_group_and_file_and_prefix():
     place = parse_url("zenoh://224.0.0.224:7999?prefix=dimos").place
     assert (place.group, place.hosts, place.keys.prefix) == ("224.0.0.224:7999", (), "dimos")
     assert parse_url("zenoh:///etc/zenoh.json5").place.file == "/etc/zenoh.json5"
@@ -64,13 +64,13 @@ def test_zenoh_group_and_file_and_prefix() -> None:
         ("zenoh://?patience=10000", "patience=10000 is not a number of seconds"),
     ],
 )
-def test_wrong_zenoh_url_is_explained(url: str, fault: str) -> None:
+def test_wrong_zenoh_url_is_explained(url, fault):
     with pytest.raises(InvalidUrl, match="zenoh://") as error:
         parse_url(url)
     assert fault in str(error.value)
 
 
-def test_zenoh_url_is_written_as_it_was_read() -> None:
+def test_zenoh_url_is_written_as_it_was_read():
     for url in ("zenoh://", "zenoh://a:1,b:2?prefix=x&listen=c:3", "zenoh:///a.json5"):
         assert str(parse_url(url)) == url
     (note,) = misread_options(parse_url("zenoh://?prefx=a"))

@@ -1,12 +1,9 @@
 """Candidates at a place of the command line, for a bus that is known."""
 
-from pathlib import Path
-
 import lcm
 import pytest
 
 from lcmtools.bag.reindex import reindex_log
-from lcmtools.cli.completion import Source
 from lcmtools.cli.completion.situation import FILES, Situation, candidates
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.messages.codec import encode
@@ -42,7 +39,7 @@ GRAPH = Graph(
 )
 
 
-def complete(source: Source, word: str = "", **given: str) -> list[str]:
+def complete(source, word="", **given):
     lists = {name: value.split("|") for name, value in given.items()}
     situation = Situation(word, lists, environment={})
     situation.__dict__["graph"] = GRAPH
@@ -61,15 +58,15 @@ def complete(source: Source, word: str = "", **given: str) -> list[str]:
         ("/_", ["/_private/x"]),
     ],
 )
-def test_topics_are_spelled_as_the_word_begins(word: str, found: list[str]) -> None:
+def test_topics_are_spelled_as_the_word_begins(word, found):
     assert complete("bus:topics", word) == found
 
 
-def test_a_topic_that_is_given_already_is_not_offered_again() -> None:
+def test_a_topic_that_is_given_already_is_not_offered_again():
     assert "/scan" not in complete("bus:topics", "/", topics="/scan|/chatter")
 
 
-def test_a_relative_topic_stands_in_the_namespace() -> None:
+def test_a_relative_topic_stands_in_the_namespace():
     assert complete("bus:topics", "odo", ns="/husky0") == ["odometry"]
 
 
@@ -86,13 +83,13 @@ def test_a_relative_topic_stands_in_the_namespace() -> None:
         ("EXAMPLE.linear.", ["x", "y", "z"]),
     ],
 )
-def test_fields_are_offered_behind_a_topic(word: str, found: list[str]) -> None:
+def test_fields_are_offered_behind_a_topic(word, found):
     offered = complete("messages:topics_and_fields", word)
     assert len(offered) == len(found)
     assert all(one.endswith(end) for one, end in zip(offered, found, strict=True))
 
 
-def test_a_field_that_is_written_out_leads_on_to_its_own_fields() -> None:
+def test_a_field_that_is_written_out_leads_on_to_its_own_fields():
     assert complete("messages:topics_and_fields", "/husky0/odometry/pose") == [
         "/husky0/odometry/pose",
         "/husky0/odometry/pose/pose",
@@ -100,7 +97,7 @@ def test_a_field_that_is_written_out_leads_on_to_its_own_fields() -> None:
     ]
 
 
-def test_the_value_of_field_is_a_path_of_the_topic() -> None:
+def test_the_value_of_field_is_a_path_of_the_topic():
     assert complete("messages:fields", "hea", topic="/scan") == ["header"]
     assert complete("messages:fields", "header.", words="/scan") == [
         "header.seq",
@@ -113,7 +110,7 @@ def test_the_value_of_field_is_a_path_of_the_topic() -> None:
     )
 
 
-def test_the_type_of_the_topic_comes_first_and_alone_before_anything_is_typed() -> None:
+def test_the_type_of_the_topic_comes_first_and_alone_before_anything_is_typed():
     assert complete("messages:types", topic="/chatter") == ["std_msgs/String"]
     assert complete("messages:types", topic="chatter") == ["std_msgs/String"]
     assert complete("messages:types", "std_msgs/", topic="/chatter")[0] == "std_msgs/String"
@@ -130,17 +127,17 @@ def test_the_type_of_the_topic_comes_first_and_alone_before_anything_is_typed() 
         ("geo", "geometry_msgs/Accel"),
     ],
 )
-def test_types_are_spelled_as_the_word_begins(word: str, found: str) -> None:
+def test_types_are_spelled_as_the_word_begins(word, found):
     assert complete("messages:types", word)[0] == found
 
 
-def test_packages_come_before_types() -> None:
+def test_packages_come_before_types():
     packages = complete("messages:types")
     assert "geometry_msgs/" in packages
     assert all(name.endswith("/") for name in packages)
 
 
-def test_a_prototype_is_one_word_that_pub_accepts() -> None:
+def test_a_prototype_is_one_word_that_pub_accepts():
     (text,) = complete("messages:prototypes", type_="geometry_msgs/Twist")
     assert text == "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
     kind = message_class("nav_msgs/Odometry")
@@ -148,13 +145,13 @@ def test_a_prototype_is_one_word_that_pub_accepts() -> None:
     draft_from_values(kind, [text])
 
 
-def test_there_is_no_prototype_behind_a_value_or_a_file_or_for_an_unknown_type() -> None:
+def test_there_is_no_prototype_behind_a_value_or_a_file_or_for_an_unknown_type():
     assert complete("messages:prototypes", type_="std_msgs/String", values="x") == []
     assert complete("messages:prototypes", type_="std_msgs/String", file="x") == []
     assert complete("messages:prototypes", type_="std_msgs/Bogus") == []
 
 
-def test_a_service_leads_to_its_request() -> None:
+def test_a_service_leads_to_its_request():
     assert complete("bus:services", "") == ["/reset"]
     assert complete("messages:requests", service="/reset") == ["{data: false}"]
     assert complete("messages:requests", "std", service="reset") == ["std_srvs/SetBool"]
@@ -163,7 +160,7 @@ def test_a_service_leads_to_its_request() -> None:
     ]
 
 
-def test_nodes_hosts_and_namespaces_of_the_bus() -> None:
+def test_nodes_hosts_and_namespaces_of_the_bus():
     assert complete("bus:nodes") == ["/husky0/driver"]
     assert complete("bus:nodes", "dri") == ["driver"]
     assert complete("bus:nodes", "/_l") == ["/_lcmtools_echo_1"]
@@ -172,7 +169,7 @@ def test_nodes_hosts_and_namespaces_of_the_bus() -> None:
     assert complete("bus:namespaces", "hus") == ["husky0"]
 
 
-def test_robots_are_those_that_simulators_take_commands_for() -> None:
+def test_robots_are_those_that_simulators_take_commands_for():
     steered = [
         Endpoint(topic, Role.SUBSCRIBER, group=f"wheel command of {robot}")
         for topic, robot in [("/cmd_vel", "/"), ("/husky1/a", "/husky1"), ("/husky1/b", "/husky1")]
@@ -182,7 +179,7 @@ def test_robots_are_those_that_simulators_take_commands_for() -> None:
     simulator = Node("/sim", "3", "morse", 3, endpoints=(state, clock, *steered))
     other = Node("/other", "4", "morse", 4, endpoints=(steered[0], clock))
 
-    def robots(word: str) -> list[str]:
+    def robots(word):
         situation = Situation(word, {}, environment={})
         situation.__dict__["graph"] = Graph(nodes=(*GRAPH.nodes, other, simulator))
         return [one.value for one in candidates("bus:robots", situation)]
@@ -203,15 +200,11 @@ def test_robots_are_those_that_simulators_take_commands_for() -> None:
         ("--ns=/hus", {}, ["--ns=/husky0"]),
     ],
 )
-def test_arguments_that_every_node_takes(
-    word: str, given: dict[str, str], found: list[str]
-) -> None:
+def test_arguments_that_every_node_takes(word, given, found):
     assert complete("runnables:arguments", word, name="talker", **given) == found
 
 
-def test_files_and_programs_of_packages_can_be_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_and_programs_of_packages_can_be_run(tmp_path, monkeypatch):
     project = '[project]\nname = "air_lab0"\n[tool.lcmtools]\n'
     for name, text in {"mine.py": "", "air_lab0/pyproject.toml": project}.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -223,7 +216,7 @@ def test_files_and_programs_of_packages_can_be_run(
     assert "evaluate_controller.py" in complete("runnables:arguments", name="air_lab0")
 
 
-def test_the_simulator_says_what_its_own_arguments_are() -> None:
+def test_the_simulator_says_what_its_own_arguments_are():
     assert "husky" in complete("runnables:arguments", name="sim", arguments="--world")
     assert "--world=husky" in complete("runnables:arguments", "--world=", name="sim")
     assert complete("runnables:arguments", "./", name="sim", arguments="--world") == []
@@ -231,31 +224,31 @@ def test_the_simulator_says_what_its_own_arguments_are() -> None:
     assert "--world" in complete("runnables:arguments", "--wo", name="sim")
 
 
-def test_a_source_may_be_words_or_files_or_nothing() -> None:
+def test_a_source_may_be_words_or_files_or_nothing():
     assert complete("") == []
     assert complete([["red"], ["green"]], "g") == ["green"]
     assert complete("files") == ["files"]
 
 
-def test_what_is_left_out_of_a_graph_is_any_name_once() -> None:
+def test_what_is_left_out_of_a_graph_is_any_name_once():
     names = ["/husky0", "/chatter", "/husky0/odometry", "/scan", "EXAMPLE", "/husky0/driver"]
     assert complete("bus:names") == names
     assert complete("bus:names", "/husky0", excluded="/husky0") == names[2:3] + names[5:]
 
 
-def test_a_node_stands_behind_the_file_or_in_its_place() -> None:
+def test_a_node_stands_behind_the_file_or_in_its_place():
     assert complete("bus:nodes_after_file") == ["files"]
     assert complete("bus:nodes_after_file", words="gains.yaml") == ["/husky0/driver"]
     assert complete("bus:nodes_and_files") == ["/husky0/driver", "files"]
 
 
-def test_words_that_were_kept_have_their_help() -> None:
+def test_words_that_were_kept_have_their_help():
     kept = [["ttl", "how far messages go"], ["loss", "lost messages"]]
     found = candidates(kept, Situation(environment={}))
     assert [[one.value, one.help] for one in found] == kept
 
 
-def test_a_labs_simulator_takes_its_own_arguments_but_no_world() -> None:
+def test_a_labs_simulator_takes_its_own_arguments_but_no_world():
     assert complete(
         "lcmtools.labs.commands.completion:simulator_arguments", "--ra", name="husky"
     ) == ["--rate"]
@@ -266,7 +259,7 @@ def test_a_labs_simulator_takes_its_own_arguments_but_no_world() -> None:
 
 
 @pytest.mark.parametrize("is_indexed", [True, False])
-def test_a_log_in_place_of_the_bus_has_the_names(*, is_indexed: bool, tmp_path: Path) -> None:
+def test_a_log_in_place_of_the_bus_has_the_names(*, is_indexed, tmp_path):
     path = str(tmp_path / "ride.lcmlog")
     log = lcm.EventLog(path, "w")
     log.write_event(1, "/said", encode(Header()))
@@ -275,7 +268,7 @@ def test_a_log_in_place_of_the_bus_has_the_names(*, is_indexed: bool, tmp_path: 
         with LogFile(path) as opened:
             reindex_log(opened)
 
-    def found(source: Source, word: str, **given: list[str]) -> list[str]:
+    def found(source, word, **given):
         return [one.value for one in candidates(source, Situation(word, given, environment={}))]
 
     assert found("bus:topics", "/", bag=[path]) == ["/said"]

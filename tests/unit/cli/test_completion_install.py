@@ -9,7 +9,7 @@ from lcmtools.errors import LcmtoolsError, UsageError
 
 
 @pytest.fixture
-def home(tmp_path: Path) -> Path:
+def home(tmp_path):
     return tmp_path / "home of me"
 
 
@@ -21,9 +21,7 @@ def home(tmp_path: Path) -> Path:
         ("fish", ".config/fish/completions/lcmtools.fish", None),
     ],
 )
-def test_the_script_goes_where_the_shell_looks(
-    shell: str, target: str, settings: str | None, home: Path, tmp_path: Path
-) -> None:
+def test_the_script_goes_where_the_shell_looks(shell, target, settings, home, tmp_path):
     wanted = plan(shell, {"HOME": str(home)}, root=tmp_path)
     assert wanted.script == home / target
     assert wanted.settings == (home / settings if settings else None)
@@ -33,7 +31,7 @@ def test_the_script_goes_where_the_shell_looks(
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_a_second_installation_changes_nothing(shell: str, home: Path, tmp_path: Path) -> None:
+def test_a_second_installation_changes_nothing(shell, home, tmp_path):
     home.mkdir()
     (home / ".bashrc").write_text("alias a=b")  # no newline at its end
     wanted = plan(shell, {"HOME": str(home)}, root=tmp_path)
@@ -45,7 +43,7 @@ def test_a_second_installation_changes_nothing(shell: str, home: Path, tmp_path:
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-def test_uninstall_leaves_what_was_there_before(shell: str, home: Path, tmp_path: Path) -> None:
+def test_uninstall_leaves_what_was_there_before(shell, home, tmp_path):
     home.mkdir()
     for name in (".bashrc", ".zshrc"):
         (home / name).write_text("alias a=b\n")
@@ -57,7 +55,7 @@ def test_uninstall_leaves_what_was_there_before(shell: str, home: Path, tmp_path
     assert list(uninstall(wanted)) == [f"{wanted.script} is not there"]
 
 
-def test_no_line_is_needed_where_bash_completion_is_loaded(home: Path, tmp_path: Path) -> None:
+def test_no_line_is_needed_where_bash_completion_is_loaded(home, tmp_path):
     (tmp_path / "usr/share/bash-completion").mkdir(parents=True)
     (tmp_path / "usr/share/bash-completion/bash_completion").touch()
     home.mkdir()
@@ -67,7 +65,7 @@ def test_no_line_is_needed_where_bash_completion_is_loaded(home: Path, tmp_path:
     assert plan("bash", {"HOME": str(home)}, root=tmp_path).settings is None
 
 
-def test_settings_that_are_a_link_stay_one(home: Path, tmp_path: Path) -> None:
+def test_settings_that_are_a_link_stay_one(home, tmp_path):
     home.mkdir()
     (tmp_path / "dotfiles").write_text("alias a=b\n")
     (home / ".bashrc").symlink_to(tmp_path / "dotfiles")
@@ -76,7 +74,7 @@ def test_settings_that_are_a_link_stay_one(home: Path, tmp_path: Path) -> None:
     assert (tmp_path / "dotfiles").read_text().startswith("alias a=b\n[ -r '")
 
 
-def test_the_xdg_folders_and_zdotdir_are_heeded(tmp_path: Path) -> None:
+def test_the_xdg_folders_and_zdotdir_are_heeded(tmp_path):
     said = {
         "HOME": "/home/me",
         "XDG_DATA_HOME": "/data",
@@ -88,7 +86,7 @@ def test_the_xdg_folders_and_zdotdir_are_heeded(tmp_path: Path) -> None:
     assert plan("zsh", said, root=tmp_path).settings == Path("/zsh/.zshrc")
 
 
-def test_the_shell_is_the_one_named_else_the_users_own() -> None:
+def test_the_shell_is_the_one_named_else_the_users_own():
     assert shell_named("zsh", {"SHELL": "/bin/bash"}) == "zsh"
     assert shell_named(None, {"SHELL": "/usr/bin/fish"}) == "fish"
     with pytest.raises(UsageError, match="no completion for tcsh"):
@@ -97,7 +95,7 @@ def test_the_shell_is_the_one_named_else_the_users_own() -> None:
         shell_named(None, {})
 
 
-def test_a_home_that_is_not_there_or_a_file_in_the_way_is_said(home: Path, tmp_path: Path) -> None:
+def test_a_home_that_is_not_there_or_a_file_in_the_way_is_said(home, tmp_path):
     with pytest.raises(LcmtoolsError, match="HOME is not set"):
         plan("bash", {})
     home.write_text("a file")
@@ -105,5 +103,5 @@ def test_a_home_that_is_not_there_or_a_file_in_the_way_is_said(home: Path, tmp_p
         list(install("fish", plan("fish", {"HOME": str(home)}, root=tmp_path)))
 
 
-def _files(folder: Path) -> list[Path]:
+def _files(folder):
     return sorted(path for path in folder.rglob("*") if path.is_file())

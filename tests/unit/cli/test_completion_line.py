@@ -1,7 +1,5 @@
 """Which word of a command line the cursor is at."""
 
-from collections.abc import Sequence
-
 import pytest
 
 from lcmtools.cli.completion.line import locate
@@ -31,7 +29,7 @@ TREE = {
 }
 
 
-def describe(path: Sequence[str]) -> Command | None:
+def describe(path):
     return TREE.get(tuple(path))
 
 
@@ -59,26 +57,26 @@ def describe(path: Sequence[str]) -> Command | None:
         ("run sim --world husky a|", "argument", ""),
     ],
 )
-def test_the_words_before_say_what_the_word_is(typed: str, kind: str, before: str) -> None:
+def test_the_words_before_say_what_the_word_is(typed, kind, before):
     *words, word = typed.removesuffix("|").split(" ")
     place = locate(words, word, describe)
     assert place is not None
     assert (place.source or place.kind, place.before) == (kind, before)
 
 
-def test_a_command_that_does_not_exist_has_no_completion() -> None:
+def test_a_command_that_does_not_exist_has_no_completion():
     assert locate(["ecko"], "", describe) is None
     assert locate(["node", "bogus"], "", describe) is None
 
 
-def test_what_stands_before_is_known_by_the_parameters_names() -> None:
+def test_what_stands_before_is_known_by_the_parameters_names():
     words = ["--lcm-url", "tcpq://", "echo", "/a", "--field", "x", "--field=y"]
     place = locate(words, "", describe)
     assert place is not None
     assert place.given == {"lcm_url": ["tcpq://"], "topic": ["/a"], "fields": ["x", "y"]}
 
 
-def test_an_option_is_offered_once_unless_it_repeats_and_a_hidden_one_never() -> None:
+def test_an_option_is_offered_once_unless_it_repeats_and_a_hidden_one_never():
     place = locate(["echo", "--once", "--field", "x"], "-", describe)
     assert place is not None
     offered = [name for option in place.unused_options() for name in option.names]
@@ -102,14 +100,12 @@ def test_an_option_is_offered_once_unless_it_repeats_and_a_hidden_one_never() ->
         ("x a\\", ["x", "a\\"], "", ""),
     ],
 )
-def test_a_line_is_cut_as_the_shell_cuts_it(
-    typed: str, texts: list[str], quote: str, kept: str
-) -> None:
+def test_a_line_is_cut_as_the_shell_cuts_it(typed, texts, quote, kept):
     words = scan(typed, BREAKS)
     assert [word.text for word in words] == texts
     assert (words[-1].quote, words[-1].kept) == (quote, kept)
 
 
-def test_a_single_word_is_unquoted_whatever_is_in_it() -> None:
+def test_a_single_word_is_unquoted_whatever_is_in_it():
     assert unquoted("'a b'c") == "a bc"
     assert unquoted("a;b") == "a;b"

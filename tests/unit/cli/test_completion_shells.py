@@ -26,14 +26,14 @@ NASTY = [
 ]
 
 
-def bash(line: str, *values: str) -> list[str]:
+def bash(line, *values):
     shell = SHELLS["bash"]
     return shell.write([Candidate(value) for value in values], shell.read([line, BREAKS]))[1:]
 
 
 @pytest.mark.parametrize("value", [*NASTY, PROTOTYPE])
 @pytest.mark.parametrize("quote", ["", "'", '"'])
-def test_bash_reads_what_is_put_there_as_one_word(value: str, quote: str) -> None:
+def test_bash_reads_what_is_put_there_as_one_word(value, quote):
     (answer,) = bash(f"lcmtools echo {quote}", value)
     told = subprocess.run(
         [BASH, "-c", f"printf '%s\\n' {quote}{answer}{quote}"],
@@ -46,7 +46,7 @@ def test_bash_reads_what_is_put_there_as_one_word(value: str, quote: str) -> Non
 
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
 @pytest.mark.parametrize("value", [*NASTY, PROTOTYPE, "/scan/ranges[0:5]"])
-def test_zsh_reads_what_is_put_there_as_one_word(value: str) -> None:
+def test_zsh_reads_what_is_put_there_as_one_word(value):
     shell = SHELLS["zsh"]
     (line,) = shell.write([Candidate(value)], Request([], ""))
     answer = line.split("\t")[1]
@@ -59,13 +59,13 @@ def test_zsh_reads_what_is_put_there_as_one_word(value: str) -> None:
     assert told.stdout == f"{value}\n"
 
 
-def test_bash_gets_only_what_stands_behind_a_word_break() -> None:
+def test_bash_gets_only_what_stands_behind_a_word_break():
     assert bash("lcmtools run talker chatter:=/hus", "chatter:=/husky0/x") == ["/husky0/x"]
     assert bash("lcmtools echo --field=po", "--field=pose") == ["pose"]
     assert bash("lcmtools echo /od", "/odom") == ["/odom"]
 
 
-def test_bash_is_told_when_no_blank_shall_follow() -> None:
+def test_bash_is_told_when_no_blank_shall_follow():
     request = Request([], "")
     write = SHELLS["bash"].write
     assert write([Candidate("a/", is_open=True)], request)[0] == "open"
@@ -75,7 +75,7 @@ def test_bash_is_told_when_no_blank_shall_follow() -> None:
     )
 
 
-def test_zsh_asks_with_words_as_typed_and_shows_help() -> None:
+def test_zsh_asks_with_words_as_typed_and_shows_help():
     shell = SHELLS["zsh"]
     request = shell.read(["pub", "'/a b'", '"', "{da"])
     assert request == Request(["pub", "/a b"], "{da", '"')
@@ -83,7 +83,7 @@ def test_zsh_asks_with_words_as_typed_and_shows_help() -> None:
     assert line == "closed\t{data: ''}\t{data: ''}  -- its help"
 
 
-def test_fish_gets_a_second_word_where_it_would_put_a_blank() -> None:
+def test_fish_gets_a_second_word_where_it_would_put_a_blank():
     shell = SHELLS["fish"]
     assert shell.read(["echo", "'/a"]) == Request(["echo"], "/a")
     assert shell.write([Candidate("/a.b", "help", is_open=True)], Request([], "")) == [
@@ -93,7 +93,7 @@ def test_fish_gets_a_second_word_where_it_would_put_a_blank() -> None:
     assert shell.write([Candidate("a/", is_open=True)], Request([], "")) == ["a/"]
 
 
-def test_what_would_move_the_cursor_or_does_not_fit_is_no_candidate() -> None:
+def test_what_would_move_the_cursor_or_does_not_fit_is_no_candidate():
     given = ["/a", "/a", "/a\n/b", "/a\x1b[2J", "/a\x9b", "/b", "/a\udcff"]
     found = shown([*(Candidate(value) for value in given), FILES], "/a")
     assert [one.value for one in found] == ["/a"]

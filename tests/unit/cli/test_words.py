@@ -1,7 +1,5 @@
 """The words that a command takes for its last argument, for options, and for their values."""
 
-from collections.abc import Sequence
-
 import click
 import pytest
 
@@ -12,7 +10,7 @@ class _Command(CommandWithWords):
     may_stand_alone = ("--wait",)
 
 
-PARAMETERS: list[click.Parameter] = [
+PARAMETERS = [
     click.Argument(["words"], nargs=-1),
     click.Option(["-n", "--name"]),
     click.Option(["--wait"]),
@@ -21,7 +19,7 @@ PARAMETERS: list[click.Parameter] = [
 ]
 
 
-def parsed(kind: type[click.Command], words: Sequence[str]) -> dict[str, object]:
+def parsed(kind, words):
     """The parameters of a command line."""
     context = kind("it", params=PARAMETERS).make_context("it", list(words))
     return {name: value for name, value in context.params.items() if value}
@@ -31,25 +29,23 @@ def parsed(kind: type[click.Command], words: Sequence[str]) -> dict[str, object]
 @pytest.mark.parametrize(
     "value", ["-5", "-0.5", "-.5e3", "-inf", "-.INF", "-nan", "-.nan", "- a\n- b", "--- \na"]
 )
-def test_every_command_takes_the_same_for_values(kind: type[click.Command], value: str) -> None:
+def test_every_command_takes_the_same_for_values(kind, value):
     assert parsed(kind, ["/a", value, "-v"]) == {"words": ("/a", value), "v": True}
     assert parsed(kind, ["/a", "--", value]) == {"words": ("/a", value)}
 
 
 @pytest.mark.parametrize("kind", [_Command, CommandWithOnce])
 @pytest.mark.parametrize("value", ["-1", "-0.5", "- a"])
-def test_what_follows_an_option_is_its_value_as_it_is(
-    kind: type[click.Command], value: str
-) -> None:
+def test_what_follows_an_option_is_its_value_as_it_is(kind, value):
     assert parsed(kind, ["-n", value, "/a"]) == {"words": ("/a",), "name": value}
 
 
-def test_an_option_may_stand_alone() -> None:
+def test_an_option_may_stand_alone():
     assert parsed(_Command, ["--wait", "/a"]) == {"words": ("/a",), "wait": WITHOUT_END}
     assert parsed(_Command, ["--wait=2", "/a"]) == {"words": ("/a",), "wait": "2"}
 
 
-def test_the_first_minus_one_is_the_option_of_pub() -> None:
+def test_the_first_minus_one_is_the_option_of_pub():
     assert parsed(CommandWithOnce, ["-1", "/a", "-1"]) == {"words": ("/a", "-1"), "once": True}
     assert parsed(CommandWithOnce, ["/a", "-1v"]) == {"words": ("/a",), "once": True, "v": True}
     assert parsed(CommandWithOnce, ["/a", "-1v 2"]) == {"words": ("/a", "-1v 2")}

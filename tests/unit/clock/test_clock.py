@@ -17,12 +17,12 @@ from lcmtools.clock import ManualClock, SystemClock, join_stamp, split_stamp
         (-1, (-1, 999_999_999)),
     ],
 )
-def test_a_stamp_splits_and_joins_without_loss(nanoseconds: int, stamp: tuple[int, int]) -> None:
+def test_a_stamp_splits_and_joins_without_loss(nanoseconds, stamp):
     assert split_stamp(nanoseconds) == stamp
     assert join_stamp(*stamp) == nanoseconds
 
 
-def test_a_manual_clock_stands_until_it_is_set() -> None:
+def test_a_manual_clock_stands_until_it_is_set():
     clock = ManualClock(5)
     assert clock.now() == 5
     assert clock.now() == 5
@@ -30,7 +30,7 @@ def test_a_manual_clock_stands_until_it_is_set() -> None:
     assert clock.now() == 3
 
 
-def test_the_system_clock_is_the_computers() -> None:
+def test_the_system_clock_is_the_computers():
     before = time.time_ns()
     now = SystemClock().now()
     assert before <= now <= time.time_ns()

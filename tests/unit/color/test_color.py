@@ -1,7 +1,6 @@
 """When there is colour: by flag, environment and settings, and only on a terminal."""
 
 import io
-from pathlib import Path
 
 import pytest
 
@@ -15,7 +14,7 @@ SCREEN = {"TERM": "xterm-256color"}
 class Terminal(io.StringIO):
     """A stream that says it is a terminal."""
 
-    def isatty(self) -> bool:
+    def isatty(self):
         """Return whether it is one."""
         return True
 
@@ -42,13 +41,13 @@ class Terminal(io.StringIO):
     ],
 )
 def test_flag_then_environment_then_settings_then_the_terminal_decide(
-    environment: dict[str, str], usual: str, *, on_terminal: bool, in_pipe: bool
-) -> None:
+    environment, usual, *, on_terminal, in_pipe
+):
     assert is_wanted(environment, usual, is_terminal=True) is on_terminal
     assert is_wanted(environment, usual, is_terminal=False) is in_pipe
 
 
-def test_settings_file_is_asked_and_a_broken_one_is_not_told_here(tmp_path: Path) -> None:
+def test_settings_file_is_asked_and_a_broken_one_is_not_told_here(tmp_path):
     file = tmp_path / "lcmtools" / "config.yaml"
     file.parent.mkdir()
     environment = {"XDG_CONFIG_HOME": str(tmp_path)}
@@ -58,7 +57,7 @@ def test_settings_file_is_asked_and_a_broken_one_is_not_told_here(tmp_path: Path
     assert not stream_wants_color(io.StringIO(), environment)
 
 
-def test_paint_ends_the_colour_that_it_begins() -> None:
+def test_paint_ends_the_colour_that_it_begins():
     assert paint("x", "31") == "\x1b[31mx\x1b[0m"
 
 
@@ -66,9 +65,7 @@ def test_paint_ends_the_colour_that_it_begins() -> None:
     ("level", "color"),
     [("info", ""), ("warning", "\x1b[33m"), ("error", "\x1b[31m"), ("fatal", "\x1b[31m")],
 )
-def test_log_lines_on_a_terminal_have_the_colours_of_ros(
-    level: str, color: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_log_lines_on_a_terminal_have_the_colours_of_ros(level, color, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     for stream, start in ((Terminal(), color), (io.StringIO(), "")):
         logger = Logger("/n", ManualClock(), lambda _entry: None, stream)

@@ -6,7 +6,7 @@ import pytest
 
 from lcmtools.doctor.arbiter import arbitrate
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.findings import Finding, Statement, finding, rule, state
+from lcmtools.doctor.findings import finding, rule, state
 from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import Node
 
@@ -14,16 +14,16 @@ _NODE = Node("/talker", "t", "here", 7)
 _DEAD = state("dead", topic="/a").of("published", "/b")
 
 
-def _left(unless: dict[str, str], title: Statement | str, *facts: Statement) -> list[Finding]:
+def _left(unless, title, *facts):
     """The findings of a rule beside one that claims the topics /a and /b, /talker and pid 7."""
     words = dict.fromkeys(("dead", "x", "fact", "other", "mend"), "{topic}")
 
     @rule("claims", remedy="", title=words, evidence="", facts=words)
-    def claims(_: Evidence):  # type: ignore[no-untyped-def]  # noqa: ANN202
+    def claims(_):
         return finding(_DEAD, [state("fact", node=_NODE)])
 
     @rule("asks", remedy="", title=words, evidence="", facts=words, remedies=words, unless=unless)
-    def asks(_: Evidence):  # type: ignore[no-untyped-def]  # noqa: ANN202
+    def asks(_):
         mends = [state("mend", topic=str(one.parts.get("topic", ""))) for one in facts]
         claimed = [one.of("topic", str(one.parts["topic"])) for one in mends]
         return finding(title, facts or None, *claimed)
@@ -51,9 +51,7 @@ _A, _B, _C = (state("fact", topic=name) for name in ("/a", "/b", "/c"))
         ({"claims": "pid"}, "x", [state("other", process=_NODE, topic="/c"), _C], None),
     ],
 )
-def test_facts_about_what_is_claimed_are_dropped_with_their_remedies(
-    unless: dict[str, str], title: str, facts: list[Statement], left: list[str] | None
-) -> None:
+def test_facts_about_what_is_claimed_are_dropped_with_their_remedies(unless, title, facts, left):
     found = _left(unless, title, *facts)
     if left is None:
         assert found == []
@@ -63,13 +61,13 @@ def test_facts_about_what_is_claimed_are_dropped_with_their_remedies(
     assert {str(remedy.parts["topic"]) for remedy in one.remedies} >= set(left)
 
 
-def test_of_several_topics_the_others_are_left() -> None:
+def test_of_several_topics_the_others_are_left():
     both = state("other", node="/ear", topics=("/a", "/c"))
     (found,) = _left({"claims": "topic"}, "x", both.of("x"))
-    assert [str(topic) for topic in found.facts[0].parts["topics"]] == ["/c"]  # type: ignore[union-attr]
+    assert [str(topic) for topic in found.facts[0].parts["topics"]] == ["/c"]
 
 
-def test_no_two_rules_explain_each_other_and_all_are_there() -> None:
+def test_no_two_rules_explain_each_other_and_all_are_there():
     ids = {one.id for one in RULES}
     assert {other for one in RULES for other in one.unless} <= ids
     order = list(TopologicalSorter({one.id: set(one.unless) for one in RULES}).static_order())

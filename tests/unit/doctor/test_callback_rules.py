@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import Judged, judge
+from fixtures.judging import judge
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Severity
@@ -16,13 +16,13 @@ START = 1_000_000 * SECOND
 OF_PARAMETERS = Endpoint("/n/_parameters", Role.SERVICE)
 
 
-def ear(topic: str = "/scan", depth: int = 10, **values: int) -> Endpoint:
+def ear(topic="/scan", depth=10, **values):
     """A subscription that has heard 100 messages, the last one at the start."""
     known = {"messages": 100, "calls": 100, "busy": SECOND, "longest": 90 * MS, "last_time": START}
     return Endpoint(topic, Role.SUBSCRIBER, depth=depth, **{**known, **values})
 
 
-def later(before: Endpoint, *, rate: int, calls: int, busy: int, drops: int = 0) -> Endpoint:
+def later(before, *, rate, calls, busy, drops=0):
     """The same after a second, with so many messages and calls more."""
     return before._replace(
         messages=before.messages + rate,
@@ -33,46 +33,46 @@ def later(before: Endpoint, *, rate: int, calls: int, busy: int, drops: int = 0)
     )
 
 
-def look(*pairs: tuple[Endpoint, Endpoint], timers: int = 0, **values: object) -> Evidence:
+def look(*pairs, timers=0, **values):
     """Two looks at a node with these subscriptions, a second apart."""
     before, after = ((*endpoints, OF_PARAMETERS) for endpoints in zip(*pairs, strict=True))
-    node = Node("/n", "n", "h", 1, endpoints=before, sent=START, **values)  # type: ignore[arg-type]
+    node = Node("/n", "n", "h", 1, endpoints=before, sent=START, **values)
     node = node._replace(busy=sum(e.busy for e in before))
     busy = sum(e.busy for e in after) + timers
     now = node._replace(endpoints=after, sent=START + SECOND, busy=busy)
     return Evidence("udpm://x", before=Graph((node,)), graph=Graph((now,)), listened=1.0)
 
 
-def dropped(evidence: Evidence) -> Judged:
+def dropped(evidence):
     (finding,) = judge(evidence, [callbacks.queues_have_room])
     assert not judge(evidence, [callbacks.callbacks_are_quick])  # it is said once
     return finding
 
 
-def slow(evidence: Evidence) -> Judged:
+def slow(evidence):
     (finding,) = judge(evidence, [callbacks.callbacks_are_quick])
     assert not judge(evidence, [callbacks.queues_have_room])
     assert finding.severity is Severity.WARNING
     return finding
 
 
-def silent(evidence: Evidence) -> bool:
+def silent(evidence):
     return not judge(evidence, [callbacks.queues_have_room, callbacks.callbacks_are_quick])
 
 
-def test_a_quick_callback_is_no_finding() -> None:
+def test_a_quick_callback_is_no_finding():
     scan = ear()
     assert silent(look((scan, later(scan, rate=10, calls=10, busy=800 * MS))))
 
 
-def test_a_callback_that_takes_all_the_time_between_two_messages_is_named() -> None:
+def test_a_callback_that_takes_all_the_time_between_two_messages_is_named():
     scan = ear()
     finding = slow(look((scan, later(scan, rate=10, calls=10, busy=980 * MS))))
     assert finding.items == (" * /n, /scan: its callback takes 98 ms, messages come every 100 ms",)
     assert finding.remedies == ("let the callback of /scan do less",)
 
 
-def test_a_callback_that_never_ends_is_named() -> None:
+def test_a_callback_that_never_ends_is_named():
     scan = ear(longest=30 * SECOND)
     now = later(scan, rate=10, calls=0, busy=SECOND)
     finding = slow(look((scan, now._replace(longest=31 * SECOND))))
@@ -86,25 +86,25 @@ def test_a_callback_that_never_ends_is_named() -> None:
     assert finding.remedies == ("let the callback of /scan of /n do less, and never wait",)
 
 
-def test_a_long_call_that_was_earlier_does_not_hang_now() -> None:
+def test_a_long_call_that_was_earlier_does_not_hang_now():
     scan = ear(longest=30 * SECOND)
     finding = slow(look((scan, later(scan, rate=10, calls=0, busy=SECOND))))
     assert finding.items == (" * /n, /scan: its callback takes 1 s, messages come every 100 ms",)
 
 
-def test_the_first_calls_may_be_slow() -> None:
+def test_the_first_calls_may_be_slow():
     scan = ear(messages=1, calls=1, busy=0, longest=SECOND)
     assert silent(
         look((scan, later(scan, rate=10, calls=1, busy=930 * MS)))
     )  # what it needs is loaded
 
 
-def test_a_subscription_of_depth_1_may_leave_messages_out() -> None:
+def test_a_subscription_of_depth_1_may_leave_messages_out():
     image = ear("/image", depth=1)
     assert silent(look((image, later(image, rate=30, calls=5, busy=500 * MS, drops=25))))
 
 
-def test_a_callback_that_keeps_its_node_busy_is_named_whatever_the_depth() -> None:
+def test_a_callback_that_keeps_its_node_busy_is_named_whatever_the_depth():
     image = ear("/image", depth=1)
     finding = slow(look((image, later(image, rate=30, calls=10, busy=980 * MS, drops=20))))
     assert finding.items == (
@@ -113,7 +113,7 @@ def test_a_callback_that_keeps_its_node_busy_is_named_whatever_the_depth() -> No
     assert finding.remedies == ("let the callback of /image of /n do less, and never wait",)
 
 
-def test_timers_that_let_everything_wait_are_named() -> None:
+def test_timers_that_let_everything_wait_are_named():
     scan = ear()
     evidence = look((scan, later(scan, rate=1, calls=1, busy=MS)), timers=970 * MS)
     finding = slow(evidence)
@@ -121,7 +121,7 @@ def test_timers_that_let_everything_wait_are_named() -> None:
     assert finding.remedies == ("let the timers of /n do less, and never wait",)
 
 
-def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
+def test_timers_of_a_node_without_subscriptions_may_take_all_the_time():
     assert silent(look((OF_PARAMETERS, OF_PARAMETERS), timers=990 * MS))
 
 
@@ -170,9 +170,7 @@ def test_timers_of_a_node_without_subscriptions_may_take_all_the_time() -> None:
         ),
     ],
 )
-def test_lost_messages_have_a_reason(
-    calls: int, busy: int, timers: int, longest: int, why: str, remedy: str
-) -> None:
+def test_lost_messages_have_a_reason(calls, busy, timers, longest, why, remedy):
     scan = ear(longest=longest)
     after = later(scan, rate=20, calls=calls, busy=busy, drops=5)
     finding = dropped(look((scan, after), timers=timers))
@@ -180,7 +178,7 @@ def test_lost_messages_have_a_reason(
     assert finding.remedies == (remedy,)
 
 
-def test_another_topic_that_holds_the_node_up_is_named() -> None:
+def test_another_topic_that_holds_the_node_up_is_named():
     scan, image = ear(depth=3), ear("/image")
     finding = dropped(
         look(
@@ -197,7 +195,7 @@ def test_another_topic_that_holds_the_node_up_is_named() -> None:
     assert finding.remedies == ("let the callback of /image of /n do less, and never wait",)
 
 
-def test_work_that_takes_a_third_of_the_time_at_once_is_named() -> None:
+def test_work_that_takes_a_third_of_the_time_at_once_is_named():
     scan, image = ear(), ear("/image", depth=1)
     lossy = scan, later(scan, rate=20, calls=10, busy=20 * MS, drops=5)
     finding = dropped(look(lossy, timers=600 * MS))
@@ -212,7 +210,7 @@ def test_work_that_takes_a_third_of_the_time_at_once_is_named() -> None:
     assert finding.items[0].endswith("they come in bursts")
 
 
-def test_a_look_goes_on_where_a_node_has_lost_many_messages_but_none_now() -> None:
+def test_a_look_goes_on_where_a_node_has_lost_many_messages_but_none_now():
     scan = ear(drops=30)
     now = later(scan, rate=20, calls=20, busy=MS)
     assert callbacks.is_in_doubt(look((scan, now)))
@@ -222,7 +220,7 @@ def test_a_look_goes_on_where_a_node_has_lost_many_messages_but_none_now() -> No
     assert not callbacks.is_in_doubt(look((scan, now), tool=True))
 
 
-def test_two_subscriptions_to_one_topic_are_told_apart() -> None:
+def test_two_subscriptions_to_one_topic_are_told_apart():
     quick, lossy = ear(), ear(drops=70)
     evidence = look(
         (quick, later(quick, rate=10, calls=10, busy=MS)),
@@ -232,12 +230,12 @@ def test_two_subscriptions_to_one_topic_are_told_apart() -> None:
 
 
 @pytest.mark.parametrize("values", [{"tool": True}, {"stale": Staleness.HANGS}])
-def test_commands_and_stale_nodes_are_others_business(values: dict[str, object]) -> None:
+def test_commands_and_stale_nodes_are_others_business(values):
     scan = ear()
     assert silent(look((scan, later(scan, rate=10, calls=1, busy=SECOND, drops=5)), **values))
 
 
-def test_who_had_to_wait_for_a_processor_is_not_to_blame() -> None:
+def test_who_had_to_wait_for_a_processor_is_not_to_blame():
     scan = ear()
     evidence = look((scan, later(scan, rate=10, calls=10, busy=980 * MS)))
     assert not silent(replace(evidence, processor_wait=0.2))
@@ -246,19 +244,19 @@ def test_who_had_to_wait_for_a_processor_is_not_to_blame() -> None:
     assert not silent(replace(hard, processor_wait=0.4))  # it would be too slow anyway
 
 
-def test_timers_are_blamed_on_a_busy_computer_only_where_they_never_pause() -> None:
+def test_timers_are_blamed_on_a_busy_computer_only_where_they_never_pause():
     scan = ear()
     pair = (scan, later(scan, rate=1, calls=1, busy=MS))
     assert silent(replace(look(pair, timers=970 * MS), processor_wait=0.4))
     assert not silent(replace(look(pair, timers=SECOND), processor_wait=0.4))
 
 
-def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
+def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full():
     fed = ear(messages=6, last_time=9 * SECOND, calls=0, busy=0)
     node = Node("/n", "n", "h", 1, endpoints=(fed,), sent=10 * SECOND)
     evidence = Evidence("udpm://", graph=Graph((node,), time=10 * SECOND), listened=1.0)
 
-    def told(evidence: Evidence) -> list[Judged]:
+    def told(evidence):
         return judge(evidence, [callbacks.callbacks_are_quick])
 
     (finding,) = told(evidence)
@@ -279,9 +277,7 @@ def test_a_node_that_does_not_spin_is_told_before_its_queue_is_full() -> None:
     ("wait", "depth", "longest", "count"),
     [(0.6, 10, 2, 0), (0.6, 1, 2, 0), (0.6, 10, 550, 0), (0.6, 10, 700, 1), (0.3, 10, 2, 1)],
 )
-def test_losses_that_a_busy_computer_causes_are_no_finding(
-    wait: float, depth: int, longest: int, count: int
-) -> None:
+def test_losses_that_a_busy_computer_causes_are_no_finding(wait, depth, longest, count):
     scan = ear(depth=depth)
     now = later(scan, rate=20, calls=10, busy=15 * MS, drops=10)._replace(longest=longest * MS)
     assert not silent(look((scan, now)))

@@ -4,7 +4,6 @@ import os
 import socket
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import cast
 
 import pytest
 
@@ -15,7 +14,6 @@ from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
 from lcmtools.graph.model import Graph, Node, Staleness, Traffic
 from lcmtools.messages.codec import encode
-from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet, Sender
 
@@ -27,16 +25,16 @@ class _Monitor:
 
     is_log: bool = False
 
-    def __init__(self, sender: Sender, answered: int) -> None:
+    def __init__(self, sender, answered):
         self.sender, self.answered, self.requests = sender, answered, 0
 
-    def probe(self) -> None:
+    def probe(self):
         self.requests += 1
 
-    def packets(self, _: float) -> tuple[()]:
+    def packets(self, _):
         return ()
 
-    def graph(self) -> Graph:
+    def graph(self):
         is_known = self.requests >= self.answered
         node = Node("/far", "f", "h", 1, sender=self.sender)
         traffic = (Traffic("/a", self.sender, (), 1, 8, 0, 0),)
@@ -53,29 +51,27 @@ class _Monitor:
         pytest.param(FAR, 1, 0.05, 0, id="too short a look"),
     ],
 )
-def test_requests_end_with_the_last_name(
-    sender: Sender, answered: int, listen: float, requests: int
-) -> None:
+def test_requests_end_with_the_last_name(sender, answered, listen, requests):
     monitor = _Monitor(sender, answered)
-    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), listen)
+    _refreshed_graph(monitor, Listening(lambda _: ()), listen)
     assert monitor.requests == requests
 
 
 class _LateNode(_Monitor):
     """A bus with a node of this computer that answers after so many seconds."""
 
-    def __init__(self, pid: int, answered: float, count: int = 1) -> None:
+    def __init__(self, pid, answered, count=1):
         super().__init__(HERE, 0)
         self.count = count
         self.node = Node("/late", "l", socket.gethostname(), pid, stale=Staleness.HANGS)
         self.waited = 0.0
         self.needed = answered
 
-    def packets(self, seconds: float) -> tuple[()]:
+    def packets(self, seconds):
         self.waited += seconds
         return ()
 
-    def graph(self) -> Graph:
+    def graph(self):
         stale = Staleness.NOT if self.waited >= self.needed else Staleness.HANGS
         return Graph((self.node._replace(stale=stale),) * self.count)
 
@@ -83,20 +79,20 @@ class _LateNode(_Monitor):
 class _LateCounters(_LateNode):
     """The same, where the node was heard before and only its new counters are late."""
 
-    def graph(self) -> Graph:
+    def graph(self):
         return Graph((self.node._replace(stale=Staleness.NOT, sent=1 + (self.waited > 0.6)),))
 
 
-def test_the_counters_of_a_busy_node_are_waited_for() -> None:
+def test_the_counters_of_a_busy_node_are_waited_for():
     monitor = _LateCounters(os.getpid(), 0.6)
-    graph = _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    graph = _refreshed_graph(monitor, Listening(lambda _: ()), 1.0)
     assert [node.sent for node in graph.nodes] == [2]
 
 
-def test_no_answer_is_waited_for_in_a_log() -> None:
+def test_no_answer_is_waited_for_in_a_log():
     monitor = _LateCounters(os.getpid(), 99.0)
     monitor.is_log = True
-    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    _refreshed_graph(monitor, Listening(lambda _: ()), 1.0)
     assert monitor.requests == 1
 
 
@@ -109,9 +105,9 @@ def test_no_answer_is_waited_for_in_a_log() -> None:
         pytest.param(2**22 + 1, 99.0, 0.05, id="has ended"),
     ],
 )
-def test_a_node_that_runs_is_given_time_to_answer(pid: int, answered: float, waited: float) -> None:
+def test_a_node_that_runs_is_given_time_to_answer(pid, answered, waited):
     monitor = _LateNode(pid, answered)
-    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    _refreshed_graph(monitor, Listening(lambda _: ()), 1.0)
     assert monitor.waited == pytest.approx(waited)
 
 
@@ -125,24 +121,24 @@ def test_a_node_that_runs_is_given_time_to_answer(pid: int, answered: float, wai
     ],
 )
 def test_a_look_goes_on_once_if_it_is_in_doubt(
-    wanted: float,
-    doubts: bool,  # noqa: FBT001 - a parameter
-    taken: list[float],
-    listened: float,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    parts: list[float] = []
+    wanted,
+    doubts,
+    taken,
+    listened,
+    monkeypatch,
+):
+    parts = []
     begin = SimpleNamespace(graph=Graph(), listening=None)
     monkeypatch.setattr(collect._Baseline, "now", lambda _: begin)
     monkeypatch.setattr(collect, "_receive", lambda _, __, seconds: parts.append(seconds))
     monkeypatch.setattr(collect, "_gather", lambda _, found, __, s: replace(found, listened=s))
-    known = cast("BusMonitor", None), Evidence("udpm://"), wanted, Memory()
+    known = None, Evidence("udpm://"), wanted, Memory()
     found = collect._observe(*known, lambda _: doubts)
     assert parts == pytest.approx(taken)
     assert found.listened == pytest.approx(listened)
 
 
-def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs() -> None:
+def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs():
     stays, leaves, plain = (Sender("127.0.0.1", port) for port in (1, 2, 3))
     nodes = [Node(f"/{one.port}", str(one.port), "h", 1, sender=one) for one in (stays, leaves)]
     traffic = tuple(Traffic("/a", one, (), 1, 8, 0, 0) for one in (stays, leaves, plain))
@@ -150,13 +146,13 @@ def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs() -> None:
     assert [seen.sender for seen in found.traffic] == [stays, plain]
 
 
-def test_nodes_that_a_stranger_makes_up_are_given_none() -> None:
+def test_nodes_that_a_stranger_makes_up_are_given_none():
     monitor = _LateNode(os.getpid(), 99.0, count=1000)
-    _refreshed_graph(cast("BusMonitor", monitor), Listening(lambda _: ()), 1.0)
+    _refreshed_graph(monitor, Listening(lambda _: ()), 1.0)
     assert (monitor.requests, monitor.waited) == (1, pytest.approx(0.05))
 
 
-def test_a_flood_of_channels_takes_little_memory_and_hides_no_other_one() -> None:
+def test_a_flood_of_channels_takes_little_memory_and_hides_no_other_one():
     listening = Listening(lambda _: ())
     for number in range(6000):
         listening.add_packet(Packet(f"/junk{number}", b"", number, FAR))

@@ -10,7 +10,7 @@ from lcmtools.doctor.listening import Listening
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field
 from lcmtools.messages.message_time import MessageTime
-from lcmtools.messages.registry import Message, message_class, type_names
+from lcmtools.messages.registry import message_class, type_names
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock, Log
@@ -22,37 +22,37 @@ ALICE, BOB, CAROL, ERIN = (Sender("127.0.0.1", port) for port in range(4000, 400
 NOW = 1_700_000_000_000_000_000
 
 
-def odometry() -> Odometry:
+def odometry():
     message = Odometry()
     message.pose.pose.orientation.w = 1.0
     return message
 
 
-def test_good_messages_are_not_odd() -> None:
+def test_good_messages_are_not_odd():
     assert list(oddities(odometry())) == []
     assert list(oddities(Twist())) == []
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_numbers_that_are_none_are_found_with_their_path(value: float) -> None:
+def test_numbers_that_are_none_are_found_with_their_path(value):
     message = Twist()
     message.linear.x = value
     assert list(oddities(message)) == [("not-finite", f"linear.x is {value}")]
 
 
-def test_numbers_in_arrays_are_found_too() -> None:
+def test_numbers_in_arrays_are_found_too():
     message = JointState()
     message.velocity = [1.0, math.nan, math.inf]
     assert list(oddities(message)) == [("not-finite", "velocity[1] is nan and 1 more")]
 
 
-def test_a_laser_may_see_nothing() -> None:
+def test_a_laser_may_see_nothing():
     scan = LaserScan()
     scan.ranges = [math.inf, math.nan]
     assert list(oddities(scan)) == []
 
 
-def test_only_what_a_laser_measures_may_be_no_number() -> None:
+def test_only_what_a_laser_measures_may_be_no_number():
     scan = LaserScan()
     scan.angle_min = math.nan
     assert list(oddities(scan)) == [("not-finite", "angle_min is nan")]
@@ -63,7 +63,7 @@ def test_only_what_a_laser_measures_may_be_no_number() -> None:
     assert list(oddities(fix)) == [("not-finite", "latitude is nan")]
 
 
-def test_a_second_has_a_thousand_million_nanoseconds() -> None:
+def test_a_second_has_a_thousand_million_nanoseconds():
     message = stamped(NOW / 1e9)
     message.header.stamp.nsec = 1_500_000_000
     expected = "header.stamp.nsec is 1500000000, and a second has 1000000000"
@@ -71,14 +71,14 @@ def test_a_second_has_a_thousand_million_nanoseconds() -> None:
     assert heard(("/a", message)) == [("nsec", expected, 1)]
 
 
-def test_numbers_in_rows_of_rows_are_found() -> None:
+def test_numbers_in_rows_of_rows_are_found():
     rows = Field("m", "float64", None, (2, 2), is_length=False)
     assert list(_field([[0.0, 1.0], [2.0, math.nan]], rows, "m")) == [
         ("not-finite", "m[1][1] is nan")
     ]
 
 
-def test_a_rotation_that_was_forgotten_or_has_a_wrong_length() -> None:
+def test_a_rotation_that_was_forgotten_or_has_a_wrong_length():
     message = odometry()
     message.pose.pose.orientation.w = 0.0
     ((kind, text),) = oddities(message)
@@ -88,13 +88,13 @@ def test_a_rotation_that_was_forgotten_or_has_a_wrong_length() -> None:
     assert text == "pose.pose.orientation has the length 0.5 instead of 1"
 
 
-def test_what_an_imu_does_not_measure_is_not_judged() -> None:
+def test_what_an_imu_does_not_measure_is_not_judged():
     imu = Imu()
     imu.orientation_covariance = [-1.0, *[0.0] * 8]
     assert list(oddities(imu)) == []
 
 
-def test_covariances_are_symmetric_with_variances_that_are_not_negative() -> None:
+def test_covariances_are_symmetric_with_variances_that_are_not_negative():
     message = odometry()
     covariance = [0.0] * 36
     covariance[1] = 0.5
@@ -106,37 +106,37 @@ def test_covariances_are_symmetric_with_variances_that_are_not_negative() -> Non
     assert list(oddities(message)) == [("covariance", "pose.covariance[7], a variance, is -2")]
 
 
-def test_every_type_can_be_looked_into() -> None:
+def test_every_type_can_be_looked_into():
     for name in type_names():
         assert len(list(oddities(message_class(name)()))) < 100, name
 
 
-def heard(*messages: tuple[str, Message], time: int = NOW) -> list[tuple[str, str, int]]:
+def heard(*messages, time=NOW):
     listening = Listening(lambda _: ())
     for channel, message in messages:
         listening.add_packet(Packet(channel, encode(message), time, ALICE))
     return [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)]
 
 
-def stamped(seconds: float) -> PoseStamped:
+def stamped(seconds):
     message = PoseStamped()
     message.pose.orientation.w = 1.0
     message.header.stamp.sec = int(seconds)
     return message
 
 
-def test_stamps_of_now_are_not_odd_and_none_is_no_stamp() -> None:
+def test_stamps_of_now_are_not_odd_and_none_is_no_stamp():
     assert heard(("/p", stamped(NOW / 1e9)), ("/q", stamped(0))) == []
 
 
-def test_stamps_in_the_future_and_of_long_ago() -> None:
+def test_stamps_in_the_future_and_of_long_ago():
     later = heard(("/p", stamped(NOW / 1e9 + 60)))
     assert later == [("future", "header.stamp is 60.0 s in the future", 1)]
     old = stamped(NOW / 1e9 - 3600)
     assert heard(("/p", old), ("/p", old)) == [("old", "header.stamp is 3600.0 s old", 2)]
 
 
-def test_old_stamps_that_advance_as_the_clock_does_are_of_a_log_that_is_played() -> None:
+def test_old_stamps_that_advance_as_the_clock_does_are_of_a_log_that_is_played():
     listening = Listening(lambda _: ())
     for seconds in range(4):
         for channel, stamp in (("/played", seconds - 86400), ("/stuck", -86400)):
@@ -146,7 +146,7 @@ def test_old_stamps_that_advance_as_the_clock_does_are_of_a_log_that_is_played()
     assert kinds == {"/played": "replayed", "/stuck": "old"}
 
 
-def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
+def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it():
     clock = Clock()
     clock.clock.sec = 100
     assert heard(("/p", stamped(5))) == [("boot", "header.stamp is 5.0 s since a start", 1)]
@@ -158,7 +158,7 @@ def test_simulated_stamps_are_judged_by_the_clock_and_only_by_it() -> None:
     )
 
 
-def test_a_clock_jumps_back_unless_two_send_it() -> None:
+def test_a_clock_jumps_back_unless_two_send_it():
     for senders, jumps in (((ALICE, ALICE, ALICE), 1), ((ALICE, BOB, ALICE), 0)):
         listening = Listening(lambda _: ())
         for sender, second in zip(senders, (1, 2, 1), strict=True):
@@ -168,7 +168,7 @@ def test_a_clock_jumps_back_unless_two_send_it() -> None:
         assert listening.clock_jumps() == jumps
 
 
-def test_what_cannot_be_decoded_is_odd_once() -> None:
+def test_what_cannot_be_decoded_is_odd_once():
     listening = Listening(lambda _: ())
     for _ in range(3):
         listening.add_packet(Packet("/a", encode(String())[:-3], NOW, ALICE))
@@ -189,13 +189,7 @@ def test_what_cannot_be_decoded_is_odd_once() -> None:
         (0, False, []),
     ],
 )
-def test_a_utime_is_microseconds_of_now(
-    microseconds: int,
-    *,
-    advances: bool,
-    found: list[tuple[str, str, int]],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_utime_is_microseconds_of_now(microseconds, *, advances, found, monkeypatch):
     listening = Listening(lambda _: ())
     for second in range(3):
         now = microseconds + advances * second * 10**6
@@ -205,7 +199,7 @@ def test_a_utime_is_microseconds_of_now(
     assert [(odd.kind, odd.text, odd.count) for odd in listening.oddities(str)] == found
 
 
-def test_what_comes_again_is_told_from_what_is_the_same() -> None:
+def test_what_comes_again_is_told_from_what_is_the_same():
     """Of a, each datagram twice, and of e, which always sends the same, as c does.
 
     b repeats what a sent; d numbers nothing.
@@ -227,7 +221,7 @@ def test_what_comes_again_is_told_from_what_is_the_same() -> None:
     assert found == {ALICE: (5, 0), BOB: (0, 5), CAROL: (0, 0), ERIN: (5, 0), None: (0, 0)}
 
 
-def test_warnings_and_errors_on_rosout_are_counted() -> None:
+def test_warnings_and_errors_on_rosout_are_counted():
     listening = Listening(lambda _: ())
     for level, text in ((Log.INFO, "fine"), (Log.WARN, "slow\nmore"), (Log.WARN, "slow\nother")):
         message = Log()
@@ -236,7 +230,7 @@ def test_warnings_and_errors_on_rosout_are_counted() -> None:
     assert listening.logs() == (LogLine("/arm", "warning", "slow", 2),)
 
 
-def test_a_small_covariance_is_compared_by_its_own_size() -> None:
+def test_a_small_covariance_is_compared_by_its_own_size():
     message = Imu()
     message.orientation.w = 1.0
     message.angular_velocity_covariance[1] = 1e-8

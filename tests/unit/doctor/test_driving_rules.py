@@ -26,15 +26,15 @@ DRIVER = Node(
 )
 
 
-def with_robot(**values: object) -> list[str]:
+def with_robot(**values):
     """The findings if the command's subscription is another one."""
-    end = COMMANDED._replace(**values)  # type: ignore[arg-type]
+    end = COMMANDED._replace(**values)
     robot = ROBOT._replace(endpoints=(end, *ROBOT.endpoints[1:]))
     nodes = (*DRIVEN.graph.nodes[:2], robot)
     return [one.rule for one in judge(replace(DRIVEN, graph=Graph(nodes, time=NOW)))]
 
 
-def test_the_robot_its_speed_and_the_line_that_stops_it_are_named() -> None:
+def test_the_robot_its_speed_and_the_line_that_stops_it_are_named():
     (found,) = judge(DRIVEN)
     (fact,) = found.items
     assert_says(fact, "/robot drives at 0.50 m/s", "by /r/cmd_vel", "5 s ago")
@@ -50,11 +50,11 @@ def test_the_robot_its_speed_and_the_line_that_stops_it_are_named() -> None:
         {"types": ("geometry_msgs/PoseStamped",)},  # it drives to a goal
     ],
 )
-def test_a_robot_that_nobody_left_driving_is_not_named(values: dict[str, object]) -> None:
+def test_a_robot_that_nobody_left_driving_is_not_named(values):
     assert "driven-by-nobody" not in with_robot(**values)
 
 
-def test_a_robot_that_stands_or_is_commanded_is_not_named() -> None:
+def test_a_robot_that_stands_or_is_commanded_is_not_named():
     assert judge(replace(DRIVEN, oddities=())) == []
     plain = replace(EVEN, channel="/r/cmd_vel")
     assert "driven-by-nobody" not in [one.rule for one in judge(replace(DRIVEN, streams=(plain,)))]
@@ -63,12 +63,12 @@ def test_a_robot_that_stands_or_is_commanded_is_not_named() -> None:
 @pytest.mark.parametrize(
     ("driver", "count"), [(DRIVER, 0), (DRIVER._replace(stale=Staleness.ENDED), 1)]
 )
-def test_a_killed_driver_no_longer_commands(driver: Node, count: int) -> None:
+def test_a_killed_driver_no_longer_commands(driver, count):
     assert len([*unattended_commands(Graph((ROBOT, driver)))]) == count
 
 
 @pytest.mark.parametrize(("speed", "turn", "count"), [(0.5, 0, 1), (0, -0.3, 1), (0.01, 0.01, 0)])
-def test_odometry_tells_that_a_robot_drives(speed: float, turn: float, count: int) -> None:
+def test_odometry_tells_that_a_robot_drives(speed, turn, count):
     message = Odometry()
     message.twist.twist.linear.y, message.twist.twist.angular.z = speed, turn
     assert len([kind for kind, _ in oddities(message) if kind == "drives"]) == count

@@ -1,6 +1,5 @@
 """Every rule's finding can be had from evidence in a file, without a process or a bus."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
@@ -21,7 +20,7 @@ from lcmtools.doctor.evidence import (
     SimulatedClock,
     Stream,
 )
-from lcmtools.doctor.findings import Finding, Severity, finding, rule, state
+from lcmtools.doctor.findings import Severity, finding, rule, state
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
 from lcmtools.graph.model import (
@@ -63,28 +62,28 @@ EMPTY = replace(GOOD, graph=Graph(), before=Graph())
 OLDER = Endpoint("/a", Role.PUBLISHER, messages=9900, last_time=NOW - SECOND)
 
 
-def graph(*nodes: Node, traffic: tuple[Traffic, ...] = ()) -> Evidence:
+def graph(*nodes, traffic=()):
     return replace(GOOD, graph=Graph(nodes, traffic, NOW))
 
 
-def host(**values: object) -> Evidence:
-    return replace(GOOD, host=replace(GOOD.host, **values))  # type: ignore[arg-type]
+def host(**values):
+    return replace(GOOD, host=replace(GOOD.host, **values))
 
 
-def having(node: Node, **values: int) -> Node:
+def having(node, **values):
     return node._replace(endpoints=(node.endpoints[0]._replace(**values),), sent=1 + SECOND)
 
 
-def server(node: Node) -> Node:
+def server(node):
     offer = Endpoint("/go", Role.SERVICE, ("std_srvs/Trigger",), (4,))
     return node._replace(endpoints=(*node.endpoints, offer))
 
 
-def sent(channel: str, number: int) -> tuple[Traffic, ...]:
+def sent(channel, number):
     return (Traffic(channel, ALICE, (number,), 5, 50, 1, 2),)
 
 
-def odd(kind: str) -> Evidence:
+def odd(kind):
     return replace(GOOD, oddities=(Oddity(kind, "/a", "/talker", "it is odd", 3),))
 
 
@@ -201,13 +200,13 @@ EVIDENCE = {
 }
 
 
-def test_there_is_evidence_for_every_rule() -> None:
+def test_there_is_evidence_for_every_rule():
     assert set(EVIDENCE) == {rule.id for rule in RULES}
     assert judge(GOOD) == []
 
 
 @pytest.mark.parametrize("rule", EVIDENCE)
-def test_a_fault_is_found_and_nothing_else(rule: str) -> None:
+def test_a_fault_is_found_and_nothing_else(rule):
     (found,) = judge(EVIDENCE[rule])
     assert found.rule == rule
     assert found.finding.subjects() or found.finding.facts or found.finding.title.parts
@@ -218,14 +217,14 @@ def test_a_fault_is_found_and_nothing_else(rule: str) -> None:
 
 
 @pytest.mark.parametrize("table", ["titles", "facts", "remedies"])
-def test_a_kind_has_one_sentence_in_all_rules(table: str) -> None:
-    sentences: dict[str, str] = {}
+def test_a_kind_has_one_sentence_in_all_rules(table):
+    sentences = {}
     for one in RULES:
         for kind, sentence in getattr(one, table).items():
             assert sentences.setdefault(kind, sentence) == sentence
 
 
-def test_a_rule_has_its_sentences_beside_it() -> None:
+def test_a_rule_has_its_sentences_beside_it():
     @rule(
         "too-hot",
         remedy="cool it",
@@ -235,7 +234,7 @@ def test_a_rule_has_its_sentences_beside_it() -> None:
         evidence="temperatures",
         severity=Severity.NOTE,
     )
-    def temperatures_are_low(evidence: Evidence) -> Iterator[Finding]:
+    def temperatures_are_low(evidence):
         """Temperatures are low. Otherwise it is hot."""
         facts = [state("hot", sender=one.name, degrees=50.04) for one in evidence.senders]
         title = state("too-hot", count=len(facts))

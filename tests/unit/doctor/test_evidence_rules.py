@@ -13,7 +13,6 @@ from fixtures.judging import (
     NOW,
     SECOND,
     SOMEBODY,
-    Judged,
     found,
     judge,
     only,
@@ -22,7 +21,6 @@ from fixtures.judging import (
 
 from lcmtools.doctor import report
 from lcmtools.doctor.evidence import (
-    Evidence,
     LcmProcess,
     Listener,
     Oddity,
@@ -39,7 +37,7 @@ from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.messages.type_versions import fingerprint_of
 
 
-def test_a_healthy_bus_is_no_finding() -> None:
+def test_a_healthy_bus_is_no_finding():
     streams = (stream("A", 100), stream("B", 1, 5))
     senders = (SenderFacts(ALICE, "alice", messages=100, ttl=0, uid=1000),)
     listeners = (Listener("bob (pid 2)", 2, 1000, queued_bytes=800, buffer_bytes=212992),)
@@ -48,7 +46,7 @@ def test_a_healthy_bus_is_no_finding() -> None:
     assert found(evidence) == {}
 
 
-def test_rules_have_ids_explanations_and_remedies() -> None:
+def test_rules_have_ids_explanations_and_remedies():
     assert len({rule.id for rule in RULES}) == len(RULES)
     for rule in RULES:
         assert rule.explanation.endswith((".", ")")), rule.id
@@ -56,7 +54,7 @@ def test_rules_have_ids_explanations_and_remedies() -> None:
         assert rule.summary, rule.id
 
 
-def test_loss_says_whose_how_much_and_where() -> None:
+def test_loss_says_whose_how_much_and_where():
     senders = (
         SenderFacts(ALICE, "/talker", messages=90, lost=10),
         SenderFacts(BOB, "/camera", is_local=False, messages=50, lost=50),
@@ -70,12 +68,12 @@ def test_loss_says_whose_how_much_and_where() -> None:
     )
 
 
-def test_what_wtf_itself_lost_is_not_blamed_on_senders() -> None:
+def test_what_wtf_itself_lost_is_not_blamed_on_senders():
     senders = (SenderFacts(ALICE, "/talker", messages=90, lost=10),)
     assert found(replace(HEALTHY, senders=senders, own_drops=10)) == {}
 
 
-def test_kernel_drops_name_the_slow_program_and_its_buffer() -> None:
+def test_kernel_drops_name_the_slow_program_and_its_buffer():
     slow = Listener("slow.py (pid 7)", 7, 1000, drops=5, buffer_bytes=212992)
     tool = Listener("lcmtools list (pid 8)", 8, 1000, drops=500, is_tool=True)
     host = replace(HEALTHY.host, most_receive_buffer=212992)
@@ -88,7 +86,7 @@ def test_kernel_drops_name_the_slow_program_and_its_buffer() -> None:
     )
 
 
-def test_a_stopped_listener_is_named_with_what_wakes_it() -> None:
+def test_a_stopped_listener_is_named_with_what_wakes_it():
     stopped = Listener("sink (pid 7)", 7, 1000, drops=5, queued_bytes=200_000, state="T")
     finding = only(replace(HEALTHY, listeners=(stopped,)))
     assert finding.rule == "stuck-listeners"
@@ -96,7 +94,7 @@ def test_a_stopped_listener_is_named_with_what_wakes_it() -> None:
     assert finding.remedies == ("wake it (kill -CONT 7) or end it (kill -KILL 7)",)
 
 
-def test_a_listener_that_does_not_read_is_named() -> None:
+def test_a_listener_that_does_not_read_is_named():
     full = Listener("s (pid 7)", 7, 0, drops=5, queued_bytes=9000, was_queued_bytes=9000)
     assert found(replace(HEALTHY, listeners=(full,)))["stuck-listeners"].items == (
         " * s (pid 7): 9000 bytes are waiting",
@@ -107,7 +105,7 @@ def test_a_listener_that_does_not_read_is_named() -> None:
     ("drops", "queued", "rule"),
     [(70, 9000, "kernel-drops"), (95, 9000, "stuck-listeners"), (30, 20_000, "stuck-listeners")],
 )
-def test_a_listener_that_reads_slowly_does_not_drop_all(drops: int, queued: int, rule: str) -> None:
+def test_a_listener_that_reads_slowly_does_not_drop_all(drops, queued, rule):
     full = Listener("s (pid 7)", 7, 0, drops, queued, was_queued_bytes=9000, buffer_bytes=20_000)
     sender = SenderFacts(ALICE, "alice", messages=100, ttl=0)
     assert only(replace(HEALTHY, listeners=(full,), senders=(sender,))).rule == rule
@@ -116,7 +114,7 @@ def test_a_listener_that_reads_slowly_does_not_drop_all(drops: int, queued: int,
 @pytest.mark.parametrize(
     ("interpreter", "tool"), [("python3.11", "py-spy"), ("java", "jstack"), ("", "gdb")]
 )
-def test_what_shows_where_a_program_waits_is_of_its_language(interpreter: str, tool: str) -> None:
+def test_what_shows_where_a_program_waits_is_of_its_language(interpreter, tool):
     waiting = {"queued_bytes": 9000, "was_queued_bytes": 9000}
     full = Listener("d (pid 7)", 7, 0, drops=5, interpreter=interpreter, **waiting)
     evidence = replace(HEALTHY, listeners=(full,))
@@ -124,7 +122,7 @@ def test_what_shows_where_a_program_waits_is_of_its_language(interpreter: str, t
     assert [one for one in ("py-spy", "jstack", "gdb") if one in remedies] == [tool]
 
 
-def test_a_message_larger_than_a_buffer_is_told_before_it_is_lost() -> None:
+def test_a_message_larger_than_a_buffer_is_told_before_it_is_lost():
     streams = (stream("CAM", 10, name="cam (pid 3)", largest=300_000),)
     listeners = (
         Listener("small (pid 7)", 7, 1000, buffer_bytes=212_992),
@@ -154,7 +152,7 @@ def test_a_message_larger_than_a_buffer_is_told_before_it_is_lost() -> None:
         ("undecodable", "undecodable"),
     ],
 )
-def test_odd_contents_are_told_with_topic_sender_and_field(kind: str, rule: str) -> None:
+def test_odd_contents_are_told_with_topic_sender_and_field(kind, rule):
     finding = only(replace(HEALTHY, oddities=(Oddity(kind, "/odom", "/morse", "it is odd", 7),)))
     assert (finding.rule, finding.severity) == (rule, Severity.WARNING)
     assert finding.items == (" * /odom from /morse: it is odd (7 messages)",)
@@ -169,9 +167,7 @@ def test_odd_contents_are_told_with_topic_sender_and_field(kind: str, rule: str)
         ("replayed", "if it is not a log, its computer's clock", "if it is not a log, stamp with"),
     ],
 )
-def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(
-    kind: str, there: str, here: str
-) -> None:
+def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(kind, there, here):
     odd = (Oddity(kind, "/odom", "/morse", "it is odd", 7),)
     for is_local, remedy in ((False, there), (True, here)):
         senders = (SenderFacts(ALICE, "/morse", is_local=is_local),)
@@ -184,12 +180,12 @@ def test_the_clock_of_this_computer_is_no_reason_for_its_stamps(
     assert found(log)["stamps"].remedies[0].startswith(there)
 
 
-def test_one_old_message_may_be_a_latched_one() -> None:
+def test_one_old_message_may_be_a_latched_one():
     odd = Oddity("old", "/map", "/server", "header.stamp is 60.0 s old")
     assert found(replace(HEALTHY, oddities=(odd,))) == {}
 
 
-def test_two_programs_that_send_at_once_compete() -> None:
+def test_two_programs_that_send_at_once_compete():
     streams = (stream("/cmd", 10), stream("/cmd", 10, sender=BOB, name="bob"))
     finding = only(replace(HEALTHY, streams=streams))
     assert finding.rule == "competing-publishers"
@@ -199,7 +195,7 @@ def test_two_programs_that_send_at_once_compete() -> None:
     assert found(replace(HEALTHY, streams=(streams[0], ended))) == {}
 
 
-def test_a_node_that_competes_gets_the_remap_that_works_in_place_of_the_one_it_has() -> None:
+def test_a_node_that_competes_gets_the_remap_that_works_in_place_of_the_one_it_has():
     command = "lcmtools run simple_controller out:=cmd"
     ends = (Endpoint("/cmd", Role.PUBLISHER),)
     node = Node("/pilot", "p", "h", 8, sender=BOB, endpoints=ends, command=command)
@@ -209,14 +205,14 @@ def test_a_node_that_competes_gets_the_remap_that_works_in_place_of_the_one_it_h
     assert finding.remedies == ("end one of them, or start /pilot with out:=/cmd_2",)
 
 
-def test_a_program_that_repeats_what_it_receives_may_make_a_circle() -> None:
+def test_a_program_that_repeats_what_it_receives_may_make_a_circle():
     repeater = replace(stream("/a", 10, sender=BOB, name="bob"), repeated=9)
     finding = only(replace(HEALTHY, streams=(stream("/a", 10), repeater)))
     assert finding.items[1] == " * bob: /a, 9 messages that another sender had sent before"
     assert finding.remedies[0].startswith("a program that forwards what it receives creates a loop")
 
 
-def test_two_simulators_make_no_circle_and_no_remap_parts_them() -> None:
+def test_two_simulators_make_no_circle_and_no_remap_parts_them():
     node = Node("/b", "b", "h", 8, sender=BOB, endpoints=(Endpoint("/clock", Role.PUBLISHER),))
     again = replace(stream("/clock", 10, sender=BOB, name="/b"), repeated=9)
     graph = HEALTHY.graph._replace(nodes=(node,))
@@ -228,7 +224,7 @@ def test_two_simulators_make_no_circle_and_no_remap_parts_them() -> None:
 
 
 @pytest.mark.parametrize("messages", [0, 1])
-def test_a_command_that_has_sent_and_still_runs_competes(messages: int) -> None:
+def test_a_command_that_has_sent_and_still_runs_competes(messages):
     ends = (Endpoint("/cmd", Role.PUBLISHER, messages=messages),)
     pub = Node("/_pub", "p", "h", 8, sender=BOB, endpoints=ends, tool=True)
     evidence = replace(
@@ -240,7 +236,7 @@ def test_a_command_that_has_sent_and_still_runs_competes(messages: int) -> None:
         assert findings["competing-publishers"].items == (" * alice: /cmd", " * /_pub: /cmd")
 
 
-def test_alternatives_of_one_input_are_one_topic() -> None:
+def test_alternatives_of_one_input_are_one_topic():
     ends = tuple(Endpoint(name, Role.SUBSCRIBER, group="g") for name in ("/a", "/b"))
     robot = Node("/morse", "1", "h", 1, endpoints=ends)
     streams = (stream("/a", 10), stream("/b", 10, sender=BOB, name="bob"))
@@ -251,17 +247,17 @@ def test_alternatives_of_one_input_are_one_topic() -> None:
 
 
 @pytest.mark.parametrize("name", ["/tf", "/rosout", "/_hidden"])
-def test_some_topics_are_for_many(name: str) -> None:
+def test_some_topics_are_for_many(name):
     streams = (stream(name, 10), stream(name, 10, sender=BOB, name="bob"))
     assert found(replace(HEALTHY, streams=streams)) == {}
 
 
-def test_one_node_with_two_ports_does_not_compete_with_itself() -> None:
+def test_one_node_with_two_ports_does_not_compete_with_itself():
     streams = (stream("/image", 10), stream("/image", 10, sender=BOB))
     assert found(replace(HEALTHY, streams=streams)) == {}
 
 
-def _graphs(before: Endpoint, after: Endpoint) -> Evidence:
+def _graphs(before, after):
     hears = Node("/ear", "2", "h", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
     start = NOW - 100 * SECOND
     nodes = [Node("/mouth", "1", "h", 1, start, endpoints=(e,)) for e in (before, after)]
@@ -269,14 +265,14 @@ def _graphs(before: Endpoint, after: Endpoint) -> Evidence:
     return replace(HEALTHY, before=graphs[0], graph=graphs[1])
 
 
-def test_a_publisher_that_has_gone_silent_is_a_note() -> None:
+def test_a_publisher_that_has_gone_silent_is_a_note():
     silent = Endpoint("/a", Role.PUBLISHER, messages=500, last_time=NOW - 50 * SECOND)
     finding = only(_graphs(silent, silent))
     assert (finding.rule, finding.severity) == ("silent", Severity.NOTE)
     assert finding.items == (" * /mouth: /a, the last of 500 messages 50 s ago",)
 
 
-def test_a_stream_that_ends_while_wtf_listens_is_a_note() -> None:
+def test_a_stream_that_ends_while_wtf_listens_is_a_note():
     ended = stream("A", 20, 20)
     later = HEALTHY.graph._replace(time=NOW + SECOND)
     assert found(replace(HEALTHY, streams=(ended,), graph=later))["silent"].items == (
@@ -284,7 +280,7 @@ def test_a_stream_that_ends_while_wtf_listens_is_a_note() -> None:
     )
 
 
-def test_a_rate_that_has_fallen_is_a_note() -> None:
+def test_a_rate_that_has_fallen_is_a_note():
     before = Endpoint("/a", Role.PUBLISHER, messages=9900, last_time=NOW - SECOND)
     after = before._replace(messages=9910, last_time=NOW)
     finding = only(_graphs(before, after))
@@ -292,7 +288,7 @@ def test_a_rate_that_has_fallen_is_a_note() -> None:
     assert finding.items == (" * /mouth: /a, 10 Hz instead of 100 Hz",)
 
 
-def test_a_stream_with_a_gap_is_irregular() -> None:
+def test_a_stream_with_a_gap_is_irregular():
     even = stream("A", 50, 50)
     uneven = replace(even, times=(*(t - SECOND for t in even.times[:25]), *even.times[25:]))
     finding = only(replace(HEALTHY, streams=(uneven,)))
@@ -300,14 +296,14 @@ def test_a_stream_with_a_gap_is_irregular() -> None:
     assert finding.items == (" * alice: 'A', 1.02 s without a message, usually 20 ms",)
 
 
-def test_bursts_are_not_irregular() -> None:
+def test_bursts_are_not_irregular():
     times = tuple(NOW - pause * 300_000_000 + n for pause in (3, 2, 1) for n in range(30))
     assert found(replace(HEALTHY, streams=(stream("A", 1, times=times),))) == {}
     assert found(replace(HEALTHY, streams=(stream("A", 1, times=times[30:]),))) == {}
 
 
-def test_a_full_queue_names_node_topic_and_depth() -> None:
-    def graph(drops: int, depth: int) -> Graph:
+def test_a_full_queue_names_node_topic_and_depth():
+    def graph(drops, depth):
         slow = Endpoint("/a", Role.SUBSCRIBER, depth=depth, drops=drops)
         mouth = Node("/mouth", "1", "h", 1, endpoints=(Endpoint("/a", Role.PUBLISHER),))
         return Graph((mouth, Node("/ear", "2", "h", 2, endpoints=(slow,))), time=NOW)
@@ -333,14 +329,12 @@ def test_a_full_queue_names_node_topic_and_depth() -> None:
         (SimulatedClock("/morse", None, jumps=9), Severity.WARNING),
     ],
 )
-def test_a_simulator_that_is_too_slow_stands_still_or_jumps_back(
-    clock: SimulatedClock, severity: Severity | None
-) -> None:
+def test_a_simulator_that_is_too_slow_stands_still_or_jumps_back(clock, severity):
     finding = found(replace(HEALTHY, clock=clock)).get("slow-simulator")
     assert (finding.severity if finding else None) is severity
 
 
-def test_names_that_few_can_use_and_names_that_look_alike() -> None:
+def test_names_that_few_can_use_and_names_that_look_alike():
     streams = (stream("\udcff", 1, 3), stream("POSE", 1, 3), stream("Pose", 1, 3))
     findings = [f for f in judge(replace(HEALTHY, streams=streams)) if f.rule == "names"]
     assert [finding.severity for finding in findings] == [Severity.WARNING, Severity.NOTE]
@@ -352,12 +346,12 @@ def test_names_that_few_can_use_and_names_that_look_alike() -> None:
     assert long.severity is Severity.NOTE
 
 
-def test_numbered_names_do_not_look_alike() -> None:
+def test_numbered_names_do_not_look_alike():
     streams = (stream("/husky0/odom", 1, 3), stream("/husky1/odom", 1, 3))
     assert found(replace(HEALTHY, streams=streams)) == {}
 
 
-def test_a_program_that_has_nothing_to_send_makes_an_empty_bus_a_note() -> None:
+def test_a_program_that_has_nothing_to_send_makes_an_empty_bus_a_note():
     empty = replace(HEALTHY, graph=Graph())
     assert only(empty).severity is Severity.WARNING
     finding = only(replace(empty, processes=(LcmProcess(7, "beacon"),)))
@@ -365,7 +359,7 @@ def test_a_program_that_has_nothing_to_send_makes_an_empty_bus_a_note() -> None:
     assert finding.items == (" * beacon (pid 7) uses LCM, and may publish rarely",)
 
 
-def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note() -> None:
+def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note():
     ear = Node("/ear", "2", "h", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
     evidence = replace(HEALTHY, graph=Graph((ear,)))
     assert only(evidence).severity is Severity.WARNING
@@ -377,7 +371,7 @@ def test_what_a_program_may_publish_seldom_is_unconnected_as_a_note() -> None:
         assert found(processes)["unconnected-subscriptions"].severity is Severity.WARNING
 
 
-def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it() -> None:
+def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it():
     clock = Endpoint("/clock", Role.PUBLISHER, messages=9, last_time=NOW - 9 * SECOND)
     scan = clock._replace(topic="/scan")
     ends = (clock, scan, Endpoint("/sim/set_rate", Role.SERVICE))
@@ -398,7 +392,7 @@ def test_a_simulator_that_is_paused_is_a_note_and_excuses_who_waits_for_it() -> 
     assert found(missed) == {}, "wtf has missed the ticks"
 
 
-def test_an_unknown_type_is_compared_with_what_others_send_on_the_channel() -> None:
+def test_an_unknown_type_is_compared_with_what_others_send_on_the_channel():
     pose = message_class("geometry_msgs/Pose2D")
     traffic = tuple(
         Traffic("A", sender, (number,), 5, 50, 1, 2)
@@ -408,7 +402,7 @@ def test_an_unknown_type_is_compared_with_what_others_send_on_the_channel() -> N
     assert finding.items[1].endswith("like geometry_msgs/Pose2D, but without the field theta)")
 
 
-def test_a_stray_byte_in_a_channel_is_shown_as_what_it_is() -> None:
+def test_a_stray_byte_in_a_channel_is_shown_as_what_it_is():
     finding = only(replace(HEALTHY, streams=(stream("caf\udce9", 10),)))
     assert finding.items[0].startswith(" * 'caf\\xe9' from alice: it is not UTF-8")
     sent = tuple(Traffic("caf\udce9", ALICE, (number,), 5, 50, 1, 2) for number in (5, 6))
@@ -416,7 +410,7 @@ def test_a_stray_byte_in_a_channel_is_shown_as_what_it_is() -> None:
     assert finding.text == "The types on 'caf\\xe9' do not match:"
 
 
-def test_a_subscription_that_was_fed_of_late_is_connected() -> None:
+def test_a_subscription_that_was_fed_of_late_is_connected():
     ear = Endpoint("/a", Role.SUBSCRIBER, messages=10, last_time=NOW - 4 * SECOND, calls=10)
     graph = Graph((Node("/ear", "2", "h", 2, NOW - 54 * SECOND, endpoints=(ear,)),), SOMEBODY, NOW)
     assert found(replace(HEALTHY, graph=graph)) == {}
@@ -424,7 +418,7 @@ def test_a_subscription_that_was_fed_of_late_is_connected() -> None:
     assert "unconnected-subscriptions" in found(replace(HEALTHY, graph=later))
 
 
-def test_a_few_messages_come_from_a_publisher_only_beside_programs_that_are_no_nodes() -> None:
+def test_a_few_messages_come_from_a_publisher_only_beside_programs_that_are_no_nodes():
     """Else it was ``pub -1``, typed twice."""
     ear = Endpoint("/a", Role.SUBSCRIBER, messages=2, last_time=NOW - 4 * SECOND)
     graph = Graph((Node("/ear", "2", "h", 2, NOW - 14 * SECOND, endpoints=(ear,)),), SOMEBODY, NOW)
@@ -436,15 +430,15 @@ def test_a_few_messages_come_from_a_publisher_only_beside_programs_that_are_no_n
     assert "unconnected-subscriptions" in found(replace(evidence, processes=elsewhere))
 
 
-def test_what_a_nodes_filter_drops_is_no_slowness() -> None:
+def test_what_a_nodes_filter_drops_is_no_slowness():
     node = Listener("/listener (pid 7)", 7, 1000, drops=5, is_node=True)
     evidence = replace(HEALTHY, listeners=(node,))
     assert only(evidence).rule == "kernel-drops"
     assert only(replace(evidence, malformed=(("x", "bad"),))).rule == "malformed"
 
 
-def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
-    def rules(*nodes: Node) -> dict[str, Judged]:
+def test_a_stream_that_nobody_has_subscribed_to_may_rest():
+    def rules(*nodes):
         times = tuple(NOW - (9 if n < 50 else 7) * SECOND + n * 5_000_000 for n in range(100))
         resting = stream("/imu", 1, times=times)
         return found(replace(HEALTHY, streams=(resting,), graph=Graph(nodes, time=NOW)))
@@ -457,7 +451,7 @@ def test_a_stream_that_nobody_has_subscribed_to_may_rest() -> None:
     assert not {"silent", "irregular"} & rules(simulator, ear._replace(tool=True)).keys()
 
 
-def test_a_long_list_ends_with_the_number_of_the_others() -> None:
+def test_a_long_list_ends_with_the_number_of_the_others():
     oddities = tuple(Oddity("not-finite", f"/t{n}", "/n", "x is nan", 1) for n in range(40))
     finding = only(replace(HEALTHY, oddities=oddities))
     rows = [row for row in report.finding_text(finding.finding) if row.startswith(" *")]
@@ -466,11 +460,11 @@ def test_a_long_list_ends_with_the_number_of_the_others() -> None:
     assert rows[-1] == " * … and 17 more"
 
 
-def test_busy_time_is_that_of_all_threads() -> None:
+def test_busy_time_is_that_of_all_threads():
     before, _ = processor_times(os.getpid())
     begun, ends = threading.Event(), threading.Event()
 
-    def compute() -> None:
+    def compute():
         while time.thread_time_ns() < 50_000_000:
             pass
         begun.set()

@@ -45,7 +45,7 @@ COMMIT"""
         (_IPTABLES % ("ACCEPT", "-j DOCKER"), "OUTPUT"),
     ],
 )
-def test_the_chain_of_a_firewall_that_refuses_is_read(rules: str, chain: str) -> None:
+def test_the_chain_of_a_firewall_that_refuses_is_read(rules, chain):
     assert refusing_chain(rules, _TRAFFIC) == chain
 
 
@@ -83,7 +83,7 @@ def test_the_chain_of_a_firewall_that_refuses_is_read(rules: str, chain: str) ->
         ("accept", "ip daddr 224.0.0.0-239.255.255.255 drop", True),
     ],
 )
-def test_a_rule_of_nft_concerns_the_bus_or_not(policy: str, rules: str, *, refuses: bool) -> None:
+def test_a_rule_of_nft_concerns_the_bus_or_not(policy, rules, *, refuses):
     hook = f"type filter hook input priority 0; policy {policy};"
     chain = f"table inet f {{\n chain c {{\n {hook}\n {rules}\n }}\n}}"
     assert bool(refusing_chain(chain, _TRAFFIC)) == refuses
@@ -115,8 +115,6 @@ def test_a_rule_of_nft_concerns_the_bus_or_not(policy: str, rules: str, *, refus
         ("ACCEPT", ":u - [0:0]\n-A INPUT -j u\n-A u -d 224.0.0.0/4 -j RETURN\n-A u -j DROP", False),
     ],
 )
-def test_a_rule_of_iptables_concerns_the_bus_or_not(
-    policy: str, rules: str, *, refuses: bool
-) -> None:
+def test_a_rule_of_iptables_concerns_the_bus_or_not(policy, rules, *, refuses):
     text = f"*filter\n:INPUT {policy} [0:0]\n:OUTPUT ACCEPT [0:0]\n{rules}\nCOMMIT"
     assert bool(refusing_chain(text, _TRAFFIC)) == refuses

@@ -13,7 +13,7 @@ from lcmtools.wire.packet import Packet, Sender
 ALICE, BOB = (Sender("127.0.0.1", port) for port in (4000, 4001))
 
 
-def heard(*sent: tuple[Sender, str, str]) -> list[tuple[str, ...]]:
+def heard(*sent):
     """The findings of these transforms: a sender, a topic, and "parent>child" pairs."""
     listening = Listening(lambda _: ())
     for number, (sender, topic, pairs) in enumerate(sent):
@@ -29,12 +29,12 @@ def heard(*sent: tuple[Sender, str, str]) -> list[tuple[str, ...]]:
     return [finding.items for finding in findings]
 
 
-def test_a_tree_of_frames_is_no_finding() -> None:
+def test_a_tree_of_frames_is_no_finding():
     tree = (ALICE, "/tf", "map>odom /odom>base"), (BOB, "/tf_static", "base>/laser base>camera")
     assert heard(*tree, *tree) == []
 
 
-def test_a_frame_with_two_parents_is_told_with_who_sends_them() -> None:
+def test_a_frame_with_two_parents_is_told_with_who_sends_them():
     sent = (ALICE, "/tf", "map>odom odom>base"), (BOB, "/tf_static", "map>base")
     assert (
         heard(*sent)
@@ -44,7 +44,7 @@ def test_a_frame_with_two_parents_is_told_with_who_sends_them() -> None:
     assert heard((ALICE, "/a/tf", "odom>base"), (BOB, "/b/tf", "map>base")) == []
 
 
-def test_frames_below_themselves_are_told_once_as_a_circle() -> None:
+def test_frames_below_themselves_are_told_once_as_a_circle():
     found = heard((ALICE, "/tf", "map>odom odom>base base>camera"), (BOB, "/tf", "base>map"))
     assert found == [(" * base -> odom -> map -> base, from alice and bob",)]
     assert heard((ALICE, "/tf", "base>base")) == [(" * base -> base, from alice",)]

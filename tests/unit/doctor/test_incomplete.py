@@ -15,14 +15,14 @@ FULL = EAR._replace(overflows=7)
 DROPPED = Listener("/ear", 8, 0, drops=40)
 
 
-def look(now: Node, **values: object) -> Evidence:
+def look(now, **values):
     return replace(
         Evidence("udpm://x", before=Graph((EAR,)), graph=Graph((now,)), listened=1.0),
-        **values,  # type: ignore[arg-type]
+        **values,
     )
 
 
-def said(evidence: Evidence) -> list[str]:
+def said(evidence):
     found = judge(evidence)
     return [
         item.lstrip(" *")
@@ -47,9 +47,7 @@ def said(evidence: Evidence) -> list[str]:
         (look(FULL, remote=frozenset("e")), ["/ear: its full receive buffers dropped up to 7 dat"]),
     ],
 )
-def test_a_node_that_loses_messages_while_it_receives_is_named(
-    evidence: Evidence, items: list[str]
-) -> None:
+def test_a_node_that_loses_messages_while_it_receives_is_named(evidence, items):
     found = said(evidence)
     assert len(found) == len(items)
     assert [text[: len(start)] for text, start in zip(found, items, strict=True)] == items

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from fixtures.judging import STEP, Judged, judge
+from fixtures.judging import STEP, judge
 
 from lcmtools.doctor.evidence import Evidence, LcmProcess, SenderFacts, Stream
 from lcmtools.doctor.memory import Memory
@@ -18,7 +18,7 @@ ALICE, BOB = Sender("127.0.0.1", 4000), Sender("127.0.0.1", 5000)
 START = NOW - 100 * SECOND
 
 
-def look(number: int, *rates: float, pid: int | None = 7, **values: object) -> Evidence:
+def look(number, *rates, pid=7, **values):
     """A look of a second; each rate [Hz] is that of a plain program on /a."""
     end = NOW + number * SECOND
     streams = []
@@ -28,10 +28,10 @@ def look(number: int, *rates: float, pid: int | None = 7, **values: object) -> E
     processes = (LcmProcess(pid, "sender.py"),) if pid else ()
     known = {"streams": tuple(s for s in streams if s.times), "processes": processes, **values}
     known = {"graph": Graph(time=end), **known}
-    return Evidence("udpm://", listened=1.0, **known)  # type: ignore[arg-type]
+    return Evidence("udpm://", listened=1.0, **known)
 
 
-def watched(*looks: Evidence) -> list[list[str]]:
+def watched(*looks):
     """The rules that find something, look by look."""
     memory, found = Memory(), []
     for one in looks:
@@ -42,13 +42,13 @@ def watched(*looks: Evidence) -> list[list[str]]:
 
 
 @pytest.mark.parametrize(("usual", "now"), [(50, 5), (10, 1), (20, 8)])
-def test_a_program_that_became_slow_stays_slow(usual: float, now: float) -> None:
+def test_a_program_that_became_slow_stays_slow(usual, now):
     looks = [look(n, usual) for n in range(3)] + [look(n, now) for n in range(3, 30)]
     assert watched(*looks) == [[]] * 3 + [["slow-rate"]] * 27
 
 
-def test_a_program_that_publishes_in_bursts_is_neither_slow_nor_silent() -> None:
-    def burst(number: int) -> Evidence:
+def test_a_program_that_publishes_in_bursts_is_neither_slow_nor_silent():
+    def burst(number):
         end = NOW + number * SECOND
         times = tuple(end - (50 - n) * SECOND // 100 for n in range(10))
         return look(number, streams=(Stream("/a", ALICE, "sender.py", times, pid=7),))
@@ -57,44 +57,44 @@ def test_a_program_that_publishes_in_bursts_is_neither_slow_nor_silent() -> None
     assert [rules for rules in found[6:] if rules] == []
 
 
-def test_a_look_goes_on_where_a_program_has_just_stopped() -> None:
+def test_a_look_goes_on_where_a_program_has_just_stopped():
     stopped = look(1, graph=Graph(time=NOW + 3 * SECOND), streams=look(1, 20).streams)
     assert is_in_doubt(stopped)
     assert not is_in_doubt(look(1, 20))
 
 
-def test_a_slow_program_that_sends_in_every_other_look_is_told_in_each() -> None:
+def test_a_slow_program_that_sends_in_every_other_look_is_told_in_each():
     looks = [look(n, 50) for n in range(3)]
     looks += [look(n, 1) if n % 2 else look(n) for n in range(3, 30)]
     assert watched(*looks)[5:] == [["slow-rate"]] * 25
 
 
-def test_a_program_that_fell_silent_stays_silent_until_it_publishes_again() -> None:
+def test_a_program_that_fell_silent_stays_silent_until_it_publishes_again():
     looks = [look(0, 10), *(look(n) for n in range(1, 20)), look(20, 10)]
     assert watched(*looks) == [[], *([["silent"]] * 19), []]
 
 
-def test_a_program_that_ended_is_forgotten() -> None:
+def test_a_program_that_ended_is_forgotten():
     assert watched(look(0, 10), look(2), look(3, processes=())) == [[], ["silent"], []]
 
 
-def test_a_sender_without_a_known_process_is_forgotten_after_a_while() -> None:
+def test_a_sender_without_a_known_process_is_forgotten_after_a_while():
     looks = [look(0, 10, pid=None), look(30, pid=None), look(90, pid=None)]
     assert watched(*looks) == [[], ["silent"], []]
 
 
-def test_a_stopped_program_is_told_once() -> None:
+def test_a_stopped_program_is_told_once():
     stopped = (LcmProcess(7, "sender.py", state="T"),)
     found = watched(look(0, 10), look(2, processes=stopped))
     assert found == [[], ["silent"]]  # as one that is stopped, with what wakes it
 
 
-def test_a_program_that_publishes_once_in_five_seconds_is_neither() -> None:
+def test_a_program_that_publishes_once_in_five_seconds_is_neither():
     looks = [look(n, 1) if n % 5 == 0 else look(n) for n in range(40)]
     assert watched(*looks) == [[]] * 40
 
 
-def test_a_program_that_is_started_again_every_second_competes_with_nobody() -> None:
+def test_a_program_that_is_started_again_every_second_competes_with_nobody():
     first, second = look(0, 10).streams[0], look(1, 10).streams[0]
     streams = (replace(first, has_ended=True), replace(second, sender=BOB, name="sender.py 2"))
     assert watched(look(1, streams=streams)) == [[]]
@@ -102,7 +102,7 @@ def test_a_program_that_is_started_again_every_second_competes_with_nobody() -> 
     assert watched(look(1, streams=both)) == [["competing-publishers"]]
 
 
-def test_a_look_goes_on_where_two_programs_may_publish_at_the_same_time() -> None:
+def test_a_look_goes_on_where_two_programs_may_publish_at_the_same_time():
     first, second = look(1, 1, 1).streams
     second = replace(second, name="other.py")
     assert traffic.is_in_doubt(look(1, streams=(first, second)))
@@ -110,7 +110,7 @@ def test_a_look_goes_on_where_two_programs_may_publish_at_the_same_time() -> Non
     assert not traffic.is_in_doubt(look(1, streams=(first,)))
 
 
-def test_a_plain_program_is_compared_with_its_average_since_its_start() -> None:
+def test_a_plain_program_is_compared_with_its_average_since_its_start():
     facts = SenderFacts(ALICE, "sender.py", messages=5, process_age=100.0, average_rate=45.0)
     finding = _only(look(0, 5, senders=(facts,)))
     assert finding.items == (" * sender.py: 5 Hz in all, and 45 Hz on average since its start",)
@@ -119,30 +119,30 @@ def test_a_plain_program_is_compared_with_its_average_since_its_start() -> None:
     assert watched(look(0, 5, senders=(facts,), own_drops=1)) == [[]], "wtf missed some of them"
 
 
-def _only(evidence: Evidence) -> Judged:
+def _only(evidence):
     (finding,) = [one for one in judge(evidence) if one.rule != "no-traffic"]
     return finding
 
 
-def _node(messages: int, age: float, now: int = NOW) -> Graph:
+def _node(messages, age, now=NOW):
     end = Endpoint("/a", Role.PUBLISHER, messages=messages, last_time=now - round(age * SECOND))
     mouth = Node("/mouth", "m", "h", 1, START, endpoints=(end,), sent=now)
     ear = Node("/ear", "e", "h", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
     return Graph((ear, mouth), time=now)
 
 
-def _graphs(before: Graph, after: Graph) -> Evidence:
+def _graphs(before, after):
     return Evidence("udpm://", before=before, graph=after, listened=1.0)
 
 
-def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow() -> None:
+def test_a_node_that_fell_from_ten_messages_a_second_to_one_is_slow():
     evidence = _graphs(_node(990, 0.5, NOW - SECOND), _node(991, 0.5))
     (finding,) = judge(evidence)
     assert finding.items == (" * /mouth: /a, 1 Hz instead of 10.1 Hz",)
     assert not is_in_doubt(evidence)
 
 
-def test_a_node_that_sent_nothing_during_a_look_is_looked_at_longer() -> None:
+def test_a_node_that_sent_nothing_during_a_look_is_looked_at_longer():
     before = _node(990, 0.5)
     nodes = (node._replace(sent=NOW + SECOND // 2) for node in before.nodes)  # the same endpoints
     evidence = _graphs(before, Graph(tuple(nodes), time=NOW + SECOND // 2))
@@ -150,9 +150,7 @@ def test_a_node_that_sent_nothing_during_a_look_is_looked_at_longer() -> None:
 
 
 @pytest.mark.parametrize("end", [Endpoint("/clock", Role.PUBLISHER), STEP])
-def test_a_simulator_sends_less_of_what_stands_still_and_a_clock_is_judged_apart(
-    end: Endpoint,
-) -> None:
+def test_a_simulator_sends_less_of_what_stands_still_and_a_clock_is_judged_apart(end):
     ticks = Stream("/clock", ALICE, "/mouth", (NOW,))
     before, after = (
         graph._replace(nodes=(ear, mouth._replace(endpoints=(*mouth.endpoints, end))))
@@ -164,7 +162,7 @@ def test_a_simulator_sends_less_of_what_stands_still_and_a_clock_is_judged_apart
     }
 
 
-def test_a_look_goes_on_where_a_slow_node_may_have_become_slower() -> None:
+def test_a_look_goes_on_where_a_slow_node_may_have_become_slower():
     slow = _graphs(_node(297, 1.5, NOW - SECOND), _node(297, 2.5))  # 3 Hz, and nothing for 2.5 s
     assert judge(slow) == []
     assert is_in_doubt(slow)
@@ -174,7 +172,7 @@ def test_a_look_goes_on_where_a_slow_node_may_have_become_slower() -> None:
     assert not is_in_doubt(beat)
 
 
-def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulator() -> None:
+def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulator():
     (ear, mouth) = _node(500, 60).nodes
     alone = Evidence("udpm://", graph=Graph((mouth,), time=NOW), listened=1.0)
     assert "silent" in {one.rule for one in judge(alone)}
@@ -188,14 +186,14 @@ def test_a_node_that_fell_silent_is_told_without_subscribers_too_but_no_simulato
 
 
 @pytest.mark.parametrize(("now", "rules"), [(1000, set()), (992, {"slow-rate"})])
-def test_an_announcement_that_the_bus_has_kept_lacks_its_time(now: int, rules: set[str]) -> None:
+def test_an_announcement_that_the_bus_has_kept_lacks_its_time(now, rules):
     kept, new = _node(990, 0.05, NOW - SECOND), _node(now, 0.05)
     untimed = kept._replace(nodes=tuple(node._replace(sent=0) for node in kept.nodes))
     found = {one.rule for one in judge(_graphs(untimed, new))}
     assert found == rules
 
 
-def test_programs_that_have_gone_are_forgotten() -> None:
+def test_programs_that_have_gone_are_forgotten():
     memory = Memory()
     for number in range(0, 400, 2):
         sender = Sender("127.0.0.1", 10_000 + number)

@@ -1,9 +1,7 @@
 """The flag that connects what is not connected."""
 
-from collections.abc import Sequence
-
 import pytest
-from fixtures.judging import STEP, Judged, judge
+from fixtures.judging import STEP, judge
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,12 +14,12 @@ from lcmtools.wire.packet import Sender
 TWIST = (0x2E7C07D7CDF7E027,)
 
 
-def node(name: str, role: Role, topic: str, command: str = "") -> Node:
+def node(name, role, topic, command=""):
     end = Endpoint(topic, role, ("geometry_msgs/Twist",), TWIST)
     return Node(name, name, "here", 1, command=command, endpoints=(end,))
 
 
-def remedies(*nodes: Node, traffic: Sequence[Traffic] = ()) -> tuple[str, ...]:
+def remedies(*nodes, traffic=()):
     evidence = Evidence("udpm://", graph=Graph(nodes, tuple(traffic)))
     found = {finding.rule: finding for finding in judge(evidence)}
     return found["unconnected-subscriptions"].remedies
@@ -98,20 +96,20 @@ PAIRS = {
 
 
 @pytest.mark.parametrize("sentence", PAIRS)
-def test_a_publisher_and_a_subscriber_are_connected(sentence: str) -> None:
+def test_a_publisher_and_a_subscriber_are_connected(sentence):
     (name, *publishes), (listener, *subscribes), remedy = PAIRS[sentence]
     publisher = node(name, Role.PUBLISHER, *publishes)._replace(tool=name.startswith("/_"))
     assert remedies(publisher, node(listener, Role.SUBSCRIBER, *subscribes)) == (remedy,)
 
 
-def test_many_topics_that_may_be_meant_are_not_all_told_to_each_of_many_subscriptions() -> None:
+def test_many_topics_that_may_be_meant_are_not_all_told_to_each_of_many_subscriptions():
     outputs = [node(f"/out{i}", Role.PUBLISHER, f"/speed{i}") for i in range(100)]
     inputs = [node(f"/in{i}", Role.SUBSCRIBER, f"/wish{i}") for i in range(3)]
     found = judge(Evidence("udpm://", graph=Graph((*outputs, *inputs))))
     assert len(found[0].remedies) == 3 * 20
 
 
-def test_a_command_that_listens_to_all_topics_changes_no_remedy() -> None:
+def test_a_command_that_listens_to_all_topics_changes_no_remedy():
     sensor = node("/robot/wheels", Role.PUBLISHER, "/robot/odometry")
     output = Endpoint("/wheel_cmd", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     driver = node("/driver", Role.SUBSCRIBER, "/odometry")
@@ -153,7 +151,7 @@ def test_a_command_that_listens_to_all_topics_changes_no_remedy() -> None:
         ("/imu", "/image", False),
     ],
 )
-def test_names_that_are_near(one: str, other: str, near: bool) -> None:  # noqa: FBT001 - expected
+def test_names_that_are_near(one, other, near):
     assert are_near(one, other) is near
     assert are_near(other, one) is near
 
@@ -164,13 +162,13 @@ _TOPICS = st.builds(lambda *parts: "/".join(["", *map("_".join, parts)]), _NAMES
 
 
 @given(_TOPICS, st.lists(_TOPICS, max_size=12))
-def test_the_index_finds_every_near_name(name: str, names: list[str]) -> None:
+def test_the_index_finds_every_near_name(name, names):
     near = {other for other in names if are_near(other, name)}
     assert set(NearNames(names).of(name)) == near
 
 
 @pytest.mark.parametrize("channel", ["//cmd_vel", "/cmd_vel/"])
-def test_a_plain_program_is_told_a_slash_that_no_remap_gives(channel: str) -> None:
+def test_a_plain_program_is_told_a_slash_that_no_remap_gives(channel):
     sent = Traffic(channel, Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
     stream = Stream(channel, sent.sender, "pilot (pid 9)", (0, 1))
     graph = Graph((node("/driver", Role.SUBSCRIBER, "/cmd_vel"),), traffic=(sent,))
@@ -179,7 +177,7 @@ def test_a_plain_program_is_told_a_slash_that_no_remap_gives(channel: str) -> No
     assert remedy.endswith("published, by pilot (pid 9): let it publish on '/cmd_vel'")
 
 
-def test_remaps_that_were_swapped_are_swapped_back() -> None:
+def test_remaps_that_were_swapped_are_swapped_back():
     laser = Endpoint("/robot/scan", Role.PUBLISHER, ("sensor_msgs/LaserScan",), (7,))
     robot = node("/robot", Role.SUBSCRIBER, "/robot/cmd_vel")
     robot = robot._replace(endpoints=(*robot.endpoints, laser))
@@ -194,7 +192,7 @@ def test_remaps_that_were_swapped_are_swapped_back() -> None:
     )
 
 
-def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
+def test_what_a_remedy_connects_is_no_unconnected_publication():
     graph = Graph(
         (
             node("/robot/pilot", Role.PUBLISHER, "/robot/cmd_vel"),
@@ -205,12 +203,12 @@ def test_what_a_remedy_connects_is_no_unconnected_publication() -> None:
     assert "unconnected-publications" not in rules
 
 
-def simulator(name: str, *ends: Endpoint) -> Node:
+def simulator(name, *ends):
     clock = Endpoint("/clock", Role.PUBLISHER, ("rosgraph_msgs/Clock",), (1,))
     return Node(name, name + ends[0].topic, "here", 1, endpoints=(clock, STEP, *ends))
 
 
-def test_others_go_by_the_names_of_a_simulator() -> None:
+def test_others_go_by_the_names_of_a_simulator():
     odometry = Endpoint("/robot/odometry", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     morse = simulator("/morse", odometry)
     assert remedies(morse, node("/robot/filter", Role.SUBSCRIBER, "/robot/odom")) == (
@@ -225,9 +223,7 @@ def test_others_go_by_the_names_of_a_simulator() -> None:
         ("/robt/odometry", "start /robot/filter with /robt/odometry:=/robot/odometry"),
     ],
 )
-def test_a_mistyped_name_is_corrected_in_the_program_and_not_in_the_simulator(
-    topic: str, remedy: str
-) -> None:
+def test_a_mistyped_name_is_corrected_in_the_program_and_not_in_the_simulator(topic, remedy):
     odometry = Endpoint("/robot/odometry", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     (said,) = remedies(simulator("/morse", odometry), node("/robot/filter", Role.SUBSCRIBER, topic))
     assert said.endswith(remedy)
@@ -241,16 +237,14 @@ def test_a_mistyped_name_is_corrected_in_the_program_and_not_in_the_simulator(
         ((node("/mine", Role.SUBSCRIBER, "/image"),), Severity.WARNING),
     ],
 )
-def test_a_robot_that_waits_for_its_first_command_is_no_warning(
-    others: tuple[Node, ...], severity: Severity
-) -> None:
+def test_a_robot_that_waits_for_its_first_command_is_no_warning(others, severity):
     command = Endpoint("/robot/command", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
     evidence = Evidence("udpm://", graph=Graph((simulator("/morse", command), *others)))
     found = {finding.rule: finding.severity for finding in judge(evidence)}
     assert found["unconnected-subscriptions"] is severity
 
 
-def test_a_simulator_is_not_connected_with_another_one() -> None:
+def test_a_simulator_is_not_connected_with_another_one():
     speed = Endpoint("/robot/speed", Role.PUBLISHER, ("geometry_msgs/Twist",), TWIST)
     command = Endpoint("/robot/command", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
     assert remedies(simulator("/morse", speed), simulator("/morse", command)) == (
@@ -278,7 +272,7 @@ def test_a_simulator_is_not_connected_with_another_one() -> None:
         ),
     ],
 )
-def test_a_program_that_is_no_node_is_told_where_to_publish(channel: str, remedy: str) -> None:
+def test_a_program_that_is_no_node_is_told_where_to_publish(channel, remedy):
     sender = Sender("127.0.0.1", 4000)
     traffic = Traffic(channel, sender, TWIST, 5, 50, 1, 2)
     ear = node("/gazebo", Role.SUBSCRIBER, "/husky0/cmd_vel")
@@ -288,12 +282,12 @@ def test_a_program_that_is_no_node_is_told_where_to_publish(channel: str, remedy
     assert found["unconnected-subscriptions"].remedies == (remedy,)
 
 
-def said_of(*nodes: Node, **evidence: object) -> dict[str, Judged]:
-    found = Evidence("udpm://", graph=Graph(nodes), **evidence)  # type: ignore[arg-type]
+def said_of(*nodes, **evidence):
+    found = Evidence("udpm://", graph=Graph(nodes), **evidence)
     return {finding.rule: finding for finding in judge(found)}
 
 
-def test_a_plain_program_in_a_namespace_moves_the_node_there() -> None:
+def test_a_plain_program_in_a_namespace_moves_the_node_there():
     sender = Sender("127.0.0.1", 4000)
     traffic = (Traffic("/robot/cmd_vel", sender, TWIST, 5, 50, 1, 2),)
     driver = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
@@ -310,7 +304,7 @@ def test_a_plain_program_in_a_namespace_moves_the_node_there() -> None:
 
 
 @pytest.mark.parametrize("slip", ["/cmdvel", "/Cmd_vel"])
-def test_a_publisher_whose_remap_has_a_slip_is_named(slip: str) -> None:
+def test_a_publisher_whose_remap_has_a_slip_is_named(slip):
     publisher = node("/pilot", Role.PUBLISHER, slip, f"lcmtools run pilot cmd_vel:={slip}")
     subscriber = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
     assert remedies(publisher, subscriber) == (
@@ -319,7 +313,7 @@ def test_a_publisher_whose_remap_has_a_slip_is_named(slip: str) -> None:
 
 
 @pytest.mark.parametrize("channel", ["/cmd_vel ", "cmd vel"])
-def test_a_plain_program_on_a_channel_that_no_node_can_have(channel: str) -> None:
+def test_a_plain_program_on_a_channel_that_no_node_can_have(channel):
     traffic = (Traffic(channel, Sender("127.0.0.1", 4000), TWIST, 5, 50, 1, 2),)
     driver = node("/driver", Role.SUBSCRIBER, "/cmd_vel")
     found = {one.rule: one for one in judge(Evidence("udpm://", graph=Graph((driver,), traffic)))}
@@ -329,7 +323,7 @@ def test_a_plain_program_on_a_channel_that_no_node_can_have(channel: str) -> Non
 
 
 @pytest.mark.parametrize(("channel", "topic"), [("POSE", "/POSE"), ("arm/POSE", "/arm/POSE")])
-def test_a_node_is_told_how_to_receive_from_a_plain_channel(channel: str, topic: str) -> None:
+def test_a_node_is_told_how_to_receive_from_a_plain_channel(channel, topic):
     sent = Traffic(channel, Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
     viewer = node("/viewer", Role.SUBSCRIBER, topic)
     written = (
@@ -353,9 +347,7 @@ def test_a_node_is_told_how_to_receive_from_a_plain_channel(channel: str, topic:
         ("python listener", True),
     ],
 )
-def test_only_a_node_of_users_is_told_how_to_receive_from_a_plain_channel(
-    command: str, is_told: object
-) -> None:
+def test_only_a_node_of_users_is_told_how_to_receive_from_a_plain_channel(command, is_told):
     sent = Traffic("POSE", Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
     viewer = node("/viewer", Role.SUBSCRIBER, "/POSE")._replace(command=command)
     (remedy,) = remedies(viewer, traffic=(sent,))
@@ -365,14 +357,14 @@ def test_only_a_node_of_users_is_told_how_to_receive_from_a_plain_channel(
     )
 
 
-def test_a_simulator_is_not_told_to_receive_from_a_plain_channel() -> None:
+def test_a_simulator_is_not_told_to_receive_from_a_plain_channel():
     sent = Traffic("cmd_vel", Sender("10.0.0.1", 4000), TWIST, 10, 10, 1, 2)
     command = Endpoint("/cmd_vel", Role.SUBSCRIBER, ("geometry_msgs/Twist",), TWIST)
     (remedy,) = remedies(simulator("/morse", command), traffic=(sent,))
     assert remedy.endswith(": let it publish on '/cmd_vel'")
 
 
-def test_another_type_in_another_namespace_is_named_with_both_types() -> None:
+def test_another_type_in_another_namespace_is_named_with_both_types():
     counter = Endpoint("/robot/cmd_vel", Role.PUBLISHER, ("std_msgs/Int32",), (5,))
     publisher = Node("/a", "a", "here", 1, endpoints=(counter,))
     assert remedies(publisher, node("/driver", Role.SUBSCRIBER, "/cmd_vel")) == (
@@ -383,7 +375,7 @@ def test_another_type_in_another_namespace_is_named_with_both_types() -> None:
     )
 
 
-def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed() -> None:
+def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed():
     robot = node("/morse", Role.PUBLISHER, "/husky0/odometry")
     controller = node("/husky0/controller", Role.SUBSCRIBER, "/odometry")
     assert remedies(robot, controller) == (
@@ -415,7 +407,7 @@ def test_a_slash_at_the_start_that_leaves_the_namespace_is_removed() -> None:
     )
 
 
-def test_a_node_with_another_topic_connected_is_in_the_right_namespace() -> None:
+def test_a_node_with_another_topic_connected_is_in_the_right_namespace():
     robot = node("/husky0/robot", Role.PUBLISHER, "/husky0/odometry")
     pilot = node("/husky/pilot", Role.PUBLISHER, "/husky/desired_velocity")
     controller = node("/husky0/controller", Role.SUBSCRIBER, "/husky0/desired_velocity")
@@ -426,7 +418,7 @@ def test_a_node_with_another_topic_connected_is_in_the_right_namespace() -> None
     )
 
 
-def test_of_several_namespaces_each_is_offered() -> None:
+def test_of_several_namespaces_each_is_offered():
     robots = [node(f"/r{n}/wheels", Role.PUBLISHER, f"/r{n}/speed") for n in range(3)]
     found = said_of(*robots, node("/filter", Role.SUBSCRIBER, "/speed"))
     assert found["unconnected-subscriptions"].remedies == (
@@ -434,7 +426,7 @@ def test_of_several_namespaces_each_is_offered() -> None:
     )
 
 
-def test_a_second_publisher_with_a_slip_is_led_to_the_subscriber() -> None:
+def test_a_second_publisher_with_a_slip_is_led_to_the_subscriber():
     other = node("/other", Role.PUBLISHER, "/speedd", "run other speed:=/speedd")
     pair = (node("/first", Role.PUBLISHER, "/speed"), node("/ear", Role.SUBSCRIBER, "/speed"))
     assert said_of(other, *pair)["unconnected-publications"].remedies == (
@@ -442,14 +434,14 @@ def test_a_second_publisher_with_a_slip_is_led_to_the_subscriber() -> None:
     )
 
 
-def test_a_publication_whose_subscriber_was_killed_is_not_reported_twice() -> None:
+def test_a_publication_whose_subscriber_was_killed_is_not_reported_twice():
     killed = node("/ear", Role.SUBSCRIBER, "/speed")._replace(stale=Staleness.ENDED)
     killed = killed._replace(endpoints=())
     talker = node("/talker", Role.PUBLISHER, "/speed")
     assert list(said_of(talker, killed, stale_subscribed=frozenset({"/speed"}))) == ["stale-nodes"]
 
 
-def test_who_publishes_where_a_node_is_moved_to_is_left_alone() -> None:
+def test_who_publishes_where_a_node_is_moved_to_is_left_alone():
     robot = node("/morse", Role.PUBLISHER, "/husky0/odometry")
     command = node("/_pub", Role.PUBLISHER, "/husky0/wish")._replace(tool=True)
     controller = node("/husky/controller", Role.SUBSCRIBER, "/husky/odometry")

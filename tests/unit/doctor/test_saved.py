@@ -3,7 +3,6 @@
 import json
 import random
 from dataclasses import fields, replace
-from pathlib import Path
 
 import pytest
 from fixtures.judging import judge
@@ -68,7 +67,7 @@ EVERYTHING = Evidence(
 )
 
 
-def test_all_evidence_comes_back(tmp_path: Path) -> None:
+def test_all_evidence_comes_back(tmp_path):
     for part in fields(Evidence):  # nothing is left at its default, which is not written
         assert getattr(EVERYTHING, part.name) != getattr(Evidence("x"), part.name), part.name
     file = tmp_path / "evidence.json"
@@ -89,9 +88,7 @@ def test_all_evidence_comes_back(tmp_path: Path) -> None:
         ('{"lcmtools_evidence": 1, "evidence": {}}', "'evidence.url' is missing, unknown or wrong"),
     ],
 )
-def test_a_file_that_holds_no_evidence_is_told_in_a_line(
-    text: str, why: str, tmp_path: Path
-) -> None:
+def test_a_file_that_holds_no_evidence_is_told_in_a_line(text, why, tmp_path):
     file = tmp_path / "some.json"
     file.write_text(text)
     with pytest.raises(LcmtoolsError) as caught:
@@ -115,25 +112,25 @@ def test_a_file_that_holds_no_evidence_is_told_in_a_line(
         ("users", {"-1": "x"}),
     ],
 )
-def test_values_that_do_not_fit_are_refused_with_their_place(name: str, value: object) -> None:
+def test_values_that_do_not_fit_are_refused_with_their_place(name, value):
     document = {"lcmtools_evidence": 1, "evidence": {"url": "udpm://", name: value}}
     with pytest.raises(Exception, match=rf"^'evidence\.{name}.*' is missing, unknown or wrong$"):
         from_text(json.dumps(document))
 
 
-def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_is_told(tmp_path):
     with pytest.raises(LcmtoolsError, match=r"cannot read .*: No such file"):
         load(tmp_path / "none")
     with pytest.raises(LcmtoolsError, match=r"cannot write .*: No such file"):
         save(EVERYTHING, tmp_path / "none" / "file")
 
 
-def test_every_rule_stands_evidence_that_fits_and_makes_no_sense() -> None:
+def test_every_rule_stands_evidence_that_fits_and_makes_no_sense():
     """Numbers are replaced at random: rules may say anything, but must not fail."""
     chance = random.Random(1)  # noqa: S311 - for a test
     plain = json.loads(to_text(replace(EVERYTHING, bus_problem="", bus_remedy="")))
 
-    def changed(part: object) -> object:
+    def changed(part):
         if isinstance(part, dict):
             return {key: changed(value) for key, value in part.items()}
         if isinstance(part, list):

@@ -20,30 +20,30 @@ STRING, TWIST, JOINTS = "std_msgs/String", "geometry_msgs/Twist", "sensor_msgs/J
 EVEN = tuple(NOW - n * SECOND // 50 for n in range(50, 0, -1))  # arrivals at 50 Hz
 
 
-def number(name: str) -> int:
+def number(name):
     return fingerprint(message_class(name))
 
 
-def endpoint(topic: str, role: Role, *types: str, group: str = "") -> Endpoint:
+def endpoint(topic, role, *types, group=""):
     depth = 10 if role is Role.SUBSCRIBER else 0
     return Endpoint(topic, role, types, tuple(map(number, types)), group, depth)
 
 
-def pub(topic: str, *types: str) -> Endpoint:
+def pub(topic, *types):
     return endpoint(topic, Role.PUBLISHER, *types)
 
 
-def sub(topic: str, *types: str, group: str = "") -> Endpoint:
+def sub(topic, *types, group=""):
     return endpoint(topic, Role.SUBSCRIBER, *types, group=group)
 
 
-def node(name: str, pid: int, *endpoints: Endpoint, tool: bool = False) -> Node:
+def node(name, pid, *endpoints, tool=False):
     sender = Sender("127.0.0.1", 40_000 + pid)
     start = NOW - 100 * SECOND
     return Node(name, f"i{pid}", "here", pid, start, tool=tool, endpoints=endpoints, sender=sender)
 
 
-def simulator(pid: int, *robots: str, name: str = "/morse") -> Node:
+def simulator(pid, *robots, name="/morse"):
     """The simulator with these robots, as the Husky lab has it."""
     ends = [pub("/clock", "rosgraph_msgs/Clock"), STEP._replace(topic=f"{name}/step")]
     for robot in robots:
@@ -53,7 +53,7 @@ def simulator(pid: int, *robots: str, name: str = "/morse") -> Node:
     return node(name, pid, *ends)
 
 
-def controller(pid: int, robot: str) -> Node:
+def controller(pid, robot):
     return node(
         f"{robot}/simple_controller",
         pid,
@@ -63,11 +63,11 @@ def controller(pid: int, robot: str) -> Node:
     )
 
 
-def pilot(pid: int, topic: str) -> Node:
+def pilot(pid, topic):
     return node(f"/_lcmtools_pub_{pid}", pid, pub(topic, TWIST), tool=True)
 
 
-def system(*nodes: Node) -> Evidence:
+def system(*nodes):
     """These nodes, each of which sends on all its topics during the look."""
     sending = [(n, e.topic) for n in nodes for e in n.having(Role.PUBLISHER)]
     prints = {(n.id, e.topic): e.fingerprints[:1] for n in nodes for e in n.endpoints}
@@ -117,11 +117,11 @@ HEALTHY = {
 
 
 @pytest.mark.parametrize("name", HEALTHY)
-def test_a_healthy_system_is_no_finding(name: str) -> None:
+def test_a_healthy_system_is_no_finding(name):
     assert judge(system(*HEALTHY[name])) == []
 
 
-def test_two_simulators_of_one_robot_are_one_finding() -> None:
+def test_two_simulators_of_one_robot_are_one_finding():
     sims = (simulator(1, "/husky0"), simulator(2, "/husky0", name="/other"))
     echo = node("/_lcmtools_echo_4", 4, sub("/husky0/odometry"), tool=True)
     (finding,) = judge(system(*sims, pilot(3, "/husky0/velocity_cmd"), echo))
@@ -130,7 +130,7 @@ def test_two_simulators_of_one_robot_are_one_finding() -> None:
     assert {" * /morse: /husky0/odometry", " * /other: /husky0/odometry"} <= set(finding.items)
 
 
-def test_two_nodes_that_steer_under_one_name_are_one_finding() -> None:
+def test_two_nodes_that_steer_under_one_name_are_one_finding():
     """One cause, one finding: the old process was left over."""
     steers = (node("/moving_robot", pid, pub("/husky0/cmd_vel", TWIST)) for pid in (5, 6))
     (finding,) = judge(system(simulator(1, "/husky0"), *steers))
@@ -138,7 +138,7 @@ def test_two_nodes_that_steer_under_one_name_are_one_finding() -> None:
     assert [item.partition(" on ")[0] for item in finding.items] == [" * pid 5", " * pid 6"]
 
 
-def test_plain_programs_that_send_different_types_are_named_with_their_processes() -> None:
+def test_plain_programs_that_send_different_types_are_named_with_their_processes():
     facts, streams, traffic = [], [], []
     for pid, kind in ((7, TWIST), (8, STRING)):
         name = f"sends.py (pid {pid})"
@@ -155,14 +155,14 @@ def test_plain_programs_that_send_different_types_are_named_with_their_processes
     )
 
 
-def test_plain_programs_that_only_listen_make_the_empty_bus_a_note() -> None:
+def test_plain_programs_that_only_listen_make_the_empty_bus_a_note():
     listener = Listener("listens.py (pid 7)", 7, 1000)
     (finding,) = judge(replace(system(), listeners=(listener,)))
     assert (finding.rule, finding.severity) == ("no-traffic", Severity.NOTE)
     assert finding.items == (" * listens.py (pid 7) listens",)
 
 
-def test_what_clears_of_a_finding_is_named() -> None:
+def test_what_clears_of_a_finding_is_named():
     one, two = (node(f"/{n}", i, sub(f"/{n}", STRING)) for i, n in enumerate(("one", "two"), 1))
     talker = pilot(3, "/three")
     looks = iter([system(talker, one, two), system(talker, two)])
@@ -176,7 +176,7 @@ def test_what_clears_of_a_finding_is_named() -> None:
     assert change == "changed"
 
 
-def test_watch_reports_what_appears_changes_and_clears() -> None:
+def test_watch_reports_what_appears_changes_and_clears():
     one, two = (node(f"/{n}", i, sub(f"/{n}", STRING)) for i, n in enumerate(("one", "two"), 1))
     talker = pilot(3, "/three")
     grown = system(talker, one, two)

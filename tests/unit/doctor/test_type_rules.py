@@ -10,7 +10,7 @@ from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 
 
-def test_different_types_on_one_topic_are_an_error_that_names_both() -> None:
+def test_different_types_on_one_topic_are_an_error_that_names_both():
     finding = findings(
         node("/talker", pub("/chatter", STRING)), node("/listener", sub("/chatter", TWIST))
     )["type-mismatch"]
@@ -21,14 +21,14 @@ def test_different_types_on_one_topic_are_an_error_that_names_both() -> None:
     )
 
 
-def test_types_of_equal_fields_do_match_but_for_a_note() -> None:
+def test_types_of_equal_fields_do_match_but_for_a_note():
     found = findings(
         node("/a", pub("/p", "geometry_msgs/Point")), node("/b", sub("/p", "geometry_msgs/Vector3"))
     )
     assert found["type-mismatch"].severity is Severity.NOTE
 
 
-def test_two_publishers_of_types_that_a_subscriber_takes_both_do_match() -> None:
+def test_two_publishers_of_types_that_a_subscriber_takes_both_do_match():
     found = findings(
         node("/a", pub("/cmd", TWIST)),
         node("/b", pub("/cmd", JOINTS)),
@@ -37,12 +37,12 @@ def test_two_publishers_of_types_that_a_subscriber_takes_both_do_match() -> None
     assert "type-mismatch" not in found
 
 
-def test_two_publishers_of_different_types_are_at_odds() -> None:
+def test_two_publishers_of_different_types_are_at_odds():
     found = findings(node("/a", pub("/cmd", TWIST)), node("/b", pub("/cmd", JOINTS)))
     assert "type-mismatch" in found
 
 
-def test_a_plain_program_that_sends_another_type_is_named_by_its_sender() -> None:
+def test_a_plain_program_that_sends_another_type_is_named_by_its_sender():
     wrong = Traffic(
         "/chatter",
         Sender("127.0.0.1", 40001),
@@ -58,7 +58,7 @@ def test_a_plain_program_that_sends_another_type_is_named_by_its_sender() -> Non
     )
 
 
-def test_of_zeros_nothing_is_said() -> None:
+def test_of_zeros_nothing_is_said():
     raw = Traffic("EXAMPLE", Sender("127.0.0.1", 40001), (0,), 100, 800, 0, 0)
     assert findings(traffic=[raw]) == {}
 
@@ -71,9 +71,7 @@ def test_of_zeros_nothing_is_said() -> None:
         ((5,), "text", "text"),
     ],
 )
-def test_data_that_is_no_lcm_message_is_a_note(
-    fingerprints: tuple[int, ...], likely: str, said: str
-) -> None:
+def test_data_that_is_no_lcm_message_is_a_note(fingerprints, likely, said):
     sender = Sender("127.0.0.1", 40001)
     raw = Traffic("EXAMPLE", sender, fingerprints, 100, 800, 0, 0)
     streams = (Stream("EXAMPLE", sender, "x", (1,), format=likely),)
@@ -84,13 +82,13 @@ def test_data_that_is_no_lcm_message_is_a_note(
     assert finding.remedies
 
 
-def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one() -> None:
+def test_data_that_is_no_lcm_message_is_a_mismatch_for_who_expects_one():
     raw = Traffic("/chatter", Sender("127.0.0.1", 40001), (1, 2, 3, 4), 100, 800, 0, 0)
     finding = findings(node("/listener", sub("/chatter", STRING)), traffic=[raw])["type-mismatch"]
     assert finding.items[-1] == " * 127.0.0.1:40001 sends data that is not an LCM message"
 
 
-def older_odometry() -> int:
+def older_odometry():
     """The fingerprint of nav_msgs/Odometry without its child_frame_id."""
     from lcmtools.messages.fields import fields
     from lcmtools.messages.type_versions import fingerprint_of
@@ -99,14 +97,14 @@ def older_odometry() -> int:
     return fingerprint_of(tuple(field for field in parts if field.name != "child_frame_id"))
 
 
-def test_a_mismatch_with_an_older_type_tells_the_field_that_differs() -> None:
+def test_a_mismatch_with_an_older_type_tells_the_field_that_differs():
     seen = Traffic("/odom", Sender("10.0.0.1", 4000), (older_odometry(),), 5, 500, 0, 1)
     listener = node("/listener", sub("/odom", ODOMETRY))
     finding = findings(listener, traffic=[seen])["type-mismatch"]
     assert "but without the field child_frame_id" in finding.items[1]
 
 
-def test_types_of_which_nothing_is_known_are_a_note_with_what_to_do() -> None:
+def test_types_of_which_nothing_is_known_are_a_note_with_what_to_do():
     seen = Traffic("OWN", Sender("10.0.0.1", 4000), (0x1021324354657687,), 5, 500, 0, 1)
     finding = findings(traffic=[seen])["unknown-type"]
     assert finding.severity is Severity.NOTE
@@ -116,7 +114,7 @@ def test_types_of_which_nothing_is_known_are_a_note_with_what_to_do() -> None:
     )
 
 
-def test_an_unknown_type_that_a_node_announces_has_its_name() -> None:
+def test_an_unknown_type_that_a_node_announces_has_its_name():
     state = Endpoint("/state", Role.PUBLISHER, ("my_msgs/State",), (0x1021324354657687,))
     sender = Sender("10.0.0.1", 4000)
     seen = Traffic("/state", sender, state.fingerprints, 5, 500, 0, 1)
@@ -139,9 +137,7 @@ def test_an_unknown_type_that_a_node_announces_has_its_name() -> None:
         ),
     ],
 )
-def test_a_mismatch_says_which_side_is_odd(
-    ends: tuple[Endpoint, ...], odd: str, remedy: str
-) -> None:
+def test_a_mismatch_says_which_side_is_odd(ends, odd, remedy):
     finding = findings(*(node(f"/n{number}", end) for number, end in enumerate(ends)))[
         "type-mismatch"
     ]
@@ -149,7 +145,7 @@ def test_a_mismatch_says_which_side_is_odd(
     assert finding.remedies[0] == remedy
 
 
-def test_a_node_with_several_subscriptions_to_a_topic_is_named_once() -> None:
+def test_a_node_with_several_subscriptions_to_a_topic_is_named_once():
     listener = node("/listener", *[sub("/t", TWIST)] * 3)
     finding = findings(node("/a", pub("/t", STRING)), listener)["type-mismatch"]
     assert finding.items == (
@@ -158,7 +154,7 @@ def test_a_node_with_several_subscriptions_to_a_topic_is_named_once() -> None:
     )
 
 
-def test_of_a_command_and_a_node_the_command_is_odd() -> None:
+def test_of_a_command_and_a_node_the_command_is_odd():
     command = node("/_lcmtools_pub_1", pub("/t", STRING), tool=True)
     finding = findings(command, node("/driver", sub("/t", TWIST)))["type-mismatch"]
     assert finding.items[-1] == (
@@ -166,7 +162,7 @@ def test_of_a_command_and_a_node_the_command_is_odd() -> None:
     )
 
 
-def test_one_against_one_neither_is_odd() -> None:
+def test_one_against_one_neither_is_odd():
     finding = findings(node("/a", pub("/t", STRING)), node("/b", sub("/t", TWIST)))["type-mismatch"]
     assert finding.items == (
         " * /a publishes std_msgs/String",
@@ -175,7 +171,7 @@ def test_one_against_one_neither_is_odd() -> None:
     assert finding.remedies == ("remap one of them to another topic, for example /t:=/t_2",)
 
 
-def test_versions_of_one_type_name_the_field_and_the_older_side() -> None:
+def test_versions_of_one_type_name_the_field_and_the_older_side():
     older = Endpoint("/odom", Role.PUBLISHER, (ODOMETRY,), (older_odometry(),))
     finding = findings(node("/old", older), node("/ear", sub("/odom", ODOMETRY)))["type-mismatch"]
     assert finding.items[0].endswith("but without the field child_frame_id)")
@@ -186,9 +182,7 @@ def test_versions_of_one_type_name_the_field_and_the_older_side() -> None:
 
 
 @pytest.mark.parametrize("numbers", [(), (1,), (1, 2)], ids=len)
-def test_a_publisher_that_announces_no_fingerprint_is_judged_by_its_messages(
-    numbers: tuple[int, ...],
-) -> None:
+def test_a_publisher_that_announces_no_fingerprint_is_judged_by_its_messages(numbers):
     sender = Sender("127.0.0.1", 40001)
     kinds = [fingerprint(message_class(name)) for name in (TWIST, JOINTS)]
     seen = [Traffic("/it", sender, (kinds[number - 1],), 5, 50, 0, number) for number in numbers]

@@ -12,7 +12,7 @@ _OLD = _NODE._replace(version=VERSION - 1, software="lcmtools 0.0.9")
 _NEW = _NODE._replace(name="/arm", id="b", version=VERSION + 1, software="lcmtools 9.0.0")
 
 
-def _judged(*nodes: Node) -> tuple[str, ...]:
+def _judged(*nodes):
     found = examine(Evidence("udpm://", graph=Graph(nodes)))
     (finding,) = [one for one in found if one.rule == "other-version"] or [None]
     if finding is None:
@@ -29,9 +29,7 @@ def _judged(*nodes: Node) -> tuple[str, ...]:
         (_NEW._replace(has_details=False), "only name and process can be read", "update the"),
     ],
 )
-def test_a_node_of_another_version_is_named_with_the_side_to_update(
-    node: Node, named: str, remedy: str
-) -> None:
+def test_a_node_of_another_version_is_named_with_the_side_to_update(node, named, remedy):
     title, item, *remedies = _judged(_NODE, node)
     assert f"({VERSION})" in title
     assert f"{node.name} (pid 7 on robot)" in item
@@ -40,10 +38,10 @@ def test_a_node_of_another_version_is_named_with_the_side_to_update(
     assert remedies[0].startswith(remedy)
 
 
-def test_several_older_nodes_have_one_remedy() -> None:
+def test_several_older_nodes_have_one_remedy():
     *_, remedy = _judged(_OLD, _OLD._replace(name="/arm", id="c"))
     assert remedy == "update lcmtools where /driver, /arm run"
 
 
-def test_nodes_of_this_version_are_not_named() -> None:
+def test_nodes_of_this_version_are_not_named():
     assert _judged(_NODE) == ()

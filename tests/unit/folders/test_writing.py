@@ -2,7 +2,6 @@
 
 import os
 import threading
-from pathlib import Path
 
 import pytest
 from fixtures.limits import small_files
@@ -12,9 +11,7 @@ from lcmtools.folders import write_whole
 
 
 @pytest.mark.parametrize("content", ["x" * 20_000, bytes(20_000)])
-def test_a_full_disk_leaves_the_file_before_and_nothing_beside(
-    content: str | bytes, tmp_path: Path
-) -> None:
+def test_a_full_disk_leaves_the_file_before_and_nothing_beside(content, tmp_path):
     path = tmp_path / "results.xml"
     path.write_text("mine")
     failure = pytest.raises(LcmtoolsError, match=r"cannot write .*results.xml: File too large")
@@ -24,7 +21,7 @@ def test_a_full_disk_leaves_the_file_before_and_nothing_beside(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_pipe_is_written_to_and_not_replaced(tmp_path: Path) -> None:
+def test_a_pipe_is_written_to_and_not_replaced(tmp_path):
     path = tmp_path / "pipe"
     os.mkfifo(path)
     writer = threading.Thread(target=write_whole, args=(path, "text"))

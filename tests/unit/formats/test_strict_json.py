@@ -35,12 +35,12 @@ class _Pair(NamedTuple):
         ([], "[]"),
     ],
 )
-def test_values_as_json(value: object, text: str) -> None:
+def test_values_as_json(value, text):
     assert write_json(value) == text
     json.loads(text, parse_constant=pytest.fail)
 
 
-def test_indented_json_has_a_line_for_each_value() -> None:
+def test_indented_json_has_a_line_for_each_value():
     assert write_json({"a": [NAN], "b": 1}, indent=2) == '{\n  "a": [\n    "nan"\n  ],\n  "b": 1\n}'
 
 
@@ -63,7 +63,7 @@ PRIVATE = {
 }
 
 
-def test_all_json_for_readers_is_written_in_one_place() -> None:
+def test_all_json_for_readers_is_written_in_one_place():
     folder = Path(lcmtools.__file__).parent
     writers = {
         str(path.relative_to(folder))

@@ -6,7 +6,7 @@ from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import DEEPEST, Element, read_xml
 
 
-def test_elements_have_their_lines_attributes_and_text() -> None:
+def test_elements_have_their_lines_attributes_and_text():
     root = read_xml('<a x="1">t\n<b/>u<c>v</c>\n</a>', "f", Element)
     assert (root.tag, root.place, root.attributes) == ("a", "f:1", {"x": "1"})
     assert root.text.split() == ["t", "u"]
@@ -16,7 +16,7 @@ def test_elements_have_their_lines_attributes_and_text() -> None:
     ]
 
 
-def test_encoding_is_the_files_own_for_bytes() -> None:
+def test_encoding_is_the_files_own_for_bytes():
     content = '<?xml version="1.0" encoding="latin-1"?><a x="é"/>'
     assert read_xml(content.encode("latin-1"), "f", Element).attributes == {"x": "é"}
 
@@ -34,7 +34,7 @@ def test_encoding_is_the_files_own_for_bytes() -> None:
         ('<?xml version="1.0" encoding="klingon"?><a/>', "f:1: not XML: unknown encoding"),
     ],
 )
-def test_a_mistake_is_named_with_file_and_line(text: str, complaint: str) -> None:
+def test_a_mistake_is_named_with_file_and_line(text, complaint):
     with pytest.raises(InvalidFile) as caught:
         read_xml(text.encode(), "f", Element)
     assert str(caught.value).startswith(complaint)

@@ -3,16 +3,16 @@
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools.formats.strict_yaml import Node, read_documents, read_file
+from lcmtools.formats.strict_yaml import read_documents, read_file
 
 
-def only(text: str) -> Node:
+def only(text):
     (node,) = read_documents(text)
     assert node is not None
     return node
 
 
-def test_every_value_has_its_place_and_its_keys_line() -> None:
+def test_every_value_has_its_place_and_its_keys_line():
     mapping = only("\na: 1\nb:\n  - x\n  - {c: y}\n").value
     assert isinstance(mapping, dict)
     assert (mapping["a"].line, mapping["a"].key_line) == (2, 2)
@@ -22,13 +22,13 @@ def test_every_value_has_its_place_and_its_keys_line() -> None:
     assert [item.line for item in items] == [4, 5]
 
 
-def test_scalars_stay_text_and_nothing_is_what_is_not_quoted() -> None:
+def test_scalars_stay_text_and_nothing_is_what_is_not_quoted():
     node = only("[1e3, no, 007, ~, null, '', 'null', !!str null, !!int 5, !!binary aGk=]")
     texts = ["1e3", "no", "007", None, None, "", "null", "null", "5", b"hi"]
     assert node.plain() == texts
 
 
-def test_aliases_keep_the_anchors_place_and_have_keys_of_their_own() -> None:
+def test_aliases_keep_the_anchors_place_and_have_keys_of_their_own():
     mapping = only("a: &x {k: v}\nb: *x\n").value
     assert isinstance(mapping, dict)
     assert mapping["b"].plain() == {"k": "v"}
@@ -36,7 +36,7 @@ def test_aliases_keep_the_anchors_place_and_have_keys_of_their_own() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "# nothing", "---\n---\n", "~"])
-def test_a_file_may_say_nothing(text: str) -> None:
+def test_a_file_may_say_nothing(text):
     assert read_file(text, "f") is None
 
 
@@ -51,7 +51,7 @@ def test_a_file_may_say_nothing(text: str) -> None:
         ("a: 1\n---\nb: 2", "f:3: another document begins, but only one is expected"),
     ],
 )
-def test_a_mistake_is_named_with_file_and_line(text: str, complaint: str) -> None:
+def test_a_mistake_is_named_with_file_and_line(text, complaint):
     with pytest.raises(InvalidFile) as caught:
         read_file(text, "f")
     assert str(caught.value).startswith(complaint)

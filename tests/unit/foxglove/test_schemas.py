@@ -1,7 +1,5 @@
 """Types and messages as Foxglove reads them."""
 
-from types import ModuleType
-
 import pytest
 
 from lcmtools.errors import DecodeError
@@ -12,7 +10,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import LaserScan
 
 
-def test_every_shipped_type_is_one_of_ros() -> None:
+def test_every_shipped_type_is_one_of_ros():
     schemas = Schemas()
     for name in type_names():
         encoding, schema = schemas.of(message_class(name))
@@ -20,7 +18,7 @@ def test_every_shipped_type_is_one_of_ros() -> None:
 
 
 @pytest.mark.parametrize("encoding", [ROS1, JSON])
-def test_a_client_s_message_is_read(encoding: str) -> None:
+def test_a_client_s_message_is_read(encoding):
     schemas, twist = Schemas(), Twist()
     twist.linear.x, twist.angular.z = 0.5, -0.25
     data = schemas.write(twist)
@@ -39,12 +37,12 @@ def test_a_client_s_message_is_read(encoding: str) -> None:
         ("cdr", b"", "messages in 'cdr'; known: json, ros1"),
     ],
 )
-def test_rubbish_of_a_client_is_refused(encoding: str, data: bytes, said: str) -> None:
+def test_rubbish_of_a_client_is_refused(encoding, data, said):
     with pytest.raises(DecodeError, match=said):
         Schemas().read(LaserScan, encoding, data)
 
 
-def test_a_type_that_ros_cannot_say_is_json(odd: ModuleType) -> None:
+def test_a_type_that_ros_cannot_say_is_json(odd):
     schemas, tree = Schemas(), odd.Tree()
     tree.children, tree.children_length = [odd.Tree()], 1
     tree.children[0].value = 7

@@ -21,11 +21,11 @@ _NODE = Node("/a", "id-1", "h", 1, endpoints=(Endpoint("/t", Role.PUBLISHER),))
 
 
 @pytest.fixture
-def decoded(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
+def decoded(monkeypatch):
     """The payloads that were decoded."""
-    payloads: list[bytes] = []
+    payloads = []
 
-    def decode(payload: bytes) -> Announcement | None:
+    def decode(payload):
         payloads.append(payload)
         return decode_announcement(payload)
 
@@ -33,16 +33,16 @@ def decoded(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
     return payloads
 
 
-def _hear(graph: GraphBuilder, node: Node, time: int, *, leaving: bool = False) -> None:
+def _hear(graph, node, time, *, leaving=False):
     payload = encode_announcement(Announcement(node, leaving))
     graph.add_head(head_of(payload), Packet(NODE_CHANNEL, payload, time))
 
 
-def _counted(messages: int) -> Node:
+def _counted(messages):
     return _NODE._replace(endpoints=(_NODE.endpoints[0]._replace(messages=messages),))
 
 
-def test_counters_alone_are_not_decoded_and_the_node_counts_as_heard(decoded: list[bytes]) -> None:
+def test_counters_alone_are_not_decoded_and_the_node_counts_as_heard(decoded):
     graph = GraphBuilder()
     for second in range(5):
         _hear(graph, _counted(second), second * 1_000_000_000)
@@ -52,7 +52,7 @@ def test_counters_alone_are_not_decoded_and_the_node_counts_as_heard(decoded: li
     assert not node.stale
 
 
-def test_a_new_endpoint_is_learnt_at_once(decoded: list[bytes]) -> None:
+def test_a_new_endpoint_is_learnt_at_once(decoded):
     graph = GraphBuilder()
     _hear(graph, _NODE, 1)
     _hear(graph, _NODE._replace(endpoints=(Endpoint("/u", Role.SUBSCRIBER),)), 2)
@@ -60,7 +60,7 @@ def test_a_new_endpoint_is_learnt_at_once(decoded: list[bytes]) -> None:
     assert graph.snapshot(3).topic_names() == ["/u"]
 
 
-def test_a_goodbye_counts_and_nothing_brings_the_node_back(decoded: list[bytes]) -> None:
+def test_a_goodbye_counts_and_nothing_brings_the_node_back(decoded):
     graph = GraphBuilder()
     _hear(graph, _NODE, 1)
     _hear(graph, _NODE, 2, leaving=True)
@@ -69,7 +69,7 @@ def test_a_goodbye_counts_and_nothing_brings_the_node_back(decoded: list[bytes])
     assert len(decoded) == 3
 
 
-def test_a_node_that_was_forgotten_is_decoded_again(decoded: list[bytes]) -> None:
+def test_a_node_that_was_forgotten_is_decoded_again(decoded):
     graph = GraphBuilder()
     _hear(graph, _NODE, 1)
     graph.forget(_NODE.id)
@@ -78,14 +78,14 @@ def test_a_node_that_was_forgotten_is_decoded_again(decoded: list[bytes]) -> Non
     assert len(decoded) == 2
 
 
-def test_what_is_broken_is_passed_over() -> None:
+def test_what_is_broken_is_passed_over():
     graph = GraphBuilder()
     payload = encode_announcement(Announcement(_NODE))[:-1]
     graph.add_head(head_of(payload), Packet(NODE_CHANNEL, payload, 1))
     assert graph.snapshot(2).nodes == ()
 
 
-def test_a_request_to_end_is_no_topic() -> None:
+def test_a_request_to_end_is_no_topic():
     graph = GraphBuilder()
     graph.add(Packet(SHUTDOWN_CHANNEL, encode_shutdown(Shutdown("id-1")), 1))
     assert graph.snapshot(2).topic_names() == []

@@ -63,7 +63,7 @@ SCRIPTS = [  # command line, name and arguments, interpreter
 
 
 @pytest.mark.parametrize(("command", "called", "by"), SCRIPTS)
-def test_what_only_starts_a_program_is_seen_through(command: str, called: str, by: str) -> None:
+def test_what_only_starts_a_program_is_seen_through(command, called, by):
     assert shortened(command, 1000) == called
     assert short_name(command) == (called.split() or ["?"])[0]
     assert interpreter(command) == by
@@ -80,6 +80,6 @@ def test_what_only_starts_a_program_is_seen_through(command: str, called: str, b
         ("/bin/a-name-that-is-more-than-there-is-room", "a-name-that-is-more-tha …"),
     ],
 )
-def test_words_at_the_end_are_left_out_for_want_of_room(command: str, called: str) -> None:
+def test_words_at_the_end_are_left_out_for_want_of_room(command, called):
     assert shortened(command, 25) == called
     assert len(called) <= 25

@@ -8,7 +8,7 @@ from lcmtools.graph.model import Endpoint, FullLine, Role
 _IMAGE = "/camera/image"
 
 
-def _rates(*counts: tuple[float, int, int]) -> dict[str, float]:
+def _rates(*counts):
     """Update with times, and messages of a channel that passed and that were dropped."""
     line, found = LineRates(), {}
     for now, passed, dropped in counts:
@@ -29,21 +29,19 @@ def _rates(*counts: tuple[float, int, int]) -> dict[str, float]:
         ([(0, 50, 90), (2, 8, 9)], {}),  # counts were forgotten in a flood of channels
     ],
 )
-def test_channels_that_lose_messages_have_the_rate_that_passes(
-    counts: list[tuple[float, int, int]], expected: dict[str, float]
-) -> None:
+def test_channels_that_lose_messages_have_the_rate_that_passes(counts, expected):
     assert _rates(*counts) == expected
 
 
-def test_a_flood_of_channels_is_cut_to_those_that_lose_most() -> None:
+def test_a_flood_of_channels_is_cut_to_those_that_lose_most():
     line = LineRates()
     line.update({}, {}, 0.0)
     dropped = {f"/{number}": number for number in range(100)}
     assert list(line.update({}, dropped, 2.0)) == [f"/{number}" for number in range(99, 89, -1)]
 
 
-def test_a_node_tells_of_what_it_publishes_itself() -> None:
-    def update(to: str, messages: int, dropped: int, now: float) -> tuple[FullLine, ...]:
+def test_a_node_tells_of_what_it_publishes_itself():
+    def update(to, messages, dropped, now):
         ends = [Endpoint(_IMAGE, Role.PUBLISHER, messages=messages)]
         ends.append(Endpoint("/odom", Role.SUBSCRIBER, messages=100))
         return line.update(ends, (to, {_IMAGE: dropped, "/odom": 7} if dropped else {}), now)

@@ -6,11 +6,11 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
 from lcmtools.wire.packet import Sender
 
 
-def _node(name: str, *endpoints: Endpoint, tool: bool = False) -> Node:
+def _node(name, *endpoints, tool=False):
     return Node(name, f"id of {name}", "h", 1, tool=tool, endpoints=endpoints)
 
 
-def _seen(channel: str, messages: int = 1, last_time: int = 0) -> Traffic:
+def _seen(channel, messages=1, last_time=0):
     return Traffic(channel, Sender("10.0.0.1", 1), (), messages, 0, 0, last_time)
 
 
@@ -31,23 +31,23 @@ _GRAPH = Graph(
 )
 
 
-def test_topics_are_what_is_published_subscribed_or_seen_but_not_what_tools_ask_for() -> None:
+def test_topics_are_what_is_published_subscribed_or_seen_but_not_what_tools_ask_for():
     assert _GRAPH.topic_names() == ["/b", "/given", "/p", "/z", "SEEN"]
 
 
-def test_a_topic_knows_its_publishers_subscribers_and_types() -> None:
+def test_a_topic_knows_its_publishers_subscribers_and_types():
     topic = _GRAPH.topic("/given")
     assert [node.name for node, _ in topic.publishers] == ["/_lcmtools_pub_2"]
     assert [node.name for node, _ in topic.subscribers] == ["/husky0/driver"]
     assert topic.types == ("t/B", "t/A")
 
 
-def test_an_unknown_topic_is_empty() -> None:
+def test_an_unknown_topic_is_empty():
     topic = _GRAPH.topic("/none")
     assert (topic.publishers, topic.subscribers, topic.traffic, topic.types) == ((), (), (), ())
 
 
-def test_endpoints_of_a_role_come_sorted() -> None:
+def test_endpoints_of_a_role_come_sorted():
     node = _GRAPH.nodes[2]
     assert [e.topic for e in node.having(Role.SUBSCRIBER)] == ["/b", "/given", "/z"]
     assert [e.topic for e in node.having(Role.SERVICE)] == ["/srv"]
@@ -65,7 +65,7 @@ def test_endpoints_of_a_role_come_sorted() -> None:
         ("", []),
     ],
 )
-def test_a_node_is_found_by_its_full_name_or_its_last_part(name: str, expected: list[str]) -> None:
+def test_a_node_is_found_by_its_full_name_or_its_last_part(name, expected):
     assert [node.name for node in _GRAPH.named(name)] == expected
 
 
@@ -73,27 +73,25 @@ def test_a_node_is_found_by_its_full_name_or_its_last_part(name: str, expected: 
     ("messages", "last_time", "rate"),
     [(1, 0, None), (2, 0, None), (2, 1_000_000_000, 1.0), (101, 2_000_000_000, 50.0)],
 )
-def test_a_rate_needs_two_messages_and_some_time(
-    messages: int, last_time: int, rate: float | None
-) -> None:
+def test_a_rate_needs_two_messages_and_some_time(messages, last_time, rate):
     assert _seen("A", messages, last_time).rate() == rate
 
 
-def test_a_hidden_node_is_known_as_such() -> None:
+def test_a_hidden_node_is_known_as_such():
     assert _GRAPH.nodes[0].is_hidden
     assert not _GRAPH.nodes[2].is_hidden
 
 
-def test_an_endpoint_without_types_has_no_type() -> None:
+def test_an_endpoint_without_types_has_no_type():
     assert Endpoint("/a", Role.PUBLISHER).type == ""
     assert Endpoint("/a", Role.PUBLISHER, ("t/A", "t/B")).type == "t/A"
 
 
-def test_what_programs_send_to_themselves_at_first_is_nobodys_publication() -> None:
+def test_what_programs_send_to_themselves_at_first_is_nobodys_publication():
     graph = Graph(traffic=(_seen("LCM_SELF_TEST"), _seen("SEEN")))
     assert [seen.channel for seen in graph.foreign()] == ["SEEN"]
 
 
 @pytest.mark.parametrize(("lag", "there"), [(None, 1000), (300, 700), (-300, 1300)])
-def test_a_computer_whose_clock_is_behind_shows_less(lag: int | None, there: int) -> None:
+def test_a_computer_whose_clock_is_behind_shows_less(lag, there):
     assert _node("/a")._replace(lag=lag).time_there(1000) == there

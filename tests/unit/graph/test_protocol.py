@@ -62,67 +62,67 @@ _NODE = Node(
 
 @pytest.mark.parametrize("leaving", [False, True])
 @pytest.mark.parametrize("answers", [0, 1, -(1 << 63), (1 << 63) - 1])
-def test_an_announcement_survives_the_way_there_and_back(*, leaving: bool, answers: int) -> None:
+def test_an_announcement_survives_the_way_there_and_back(*, leaving, answers):
     announcement = Announcement(_NODE, leaving, answers)
     assert decode_announcement(encode_announcement(announcement)) == announcement
 
 
-def test_an_announcement_of_a_bare_node_survives() -> None:
+def test_an_announcement_of_a_bare_node_survives():
     announcement = Announcement(Node("/a", "i", "h", 1))
     assert decode_announcement(encode_announcement(announcement)) == announcement
 
 
-def test_an_announcement_with_hundreds_of_endpoints_survives() -> None:
+def test_an_announcement_with_hundreds_of_endpoints_survives():
     endpoints = tuple(Endpoint(f"/topic_{n}", Role.PUBLISHER) for n in range(500))
     announcement = Announcement(Node("/a", "i", "h", 1, endpoints=endpoints))
     assert decode_announcement(encode_announcement(announcement)) == announcement
 
 
 @pytest.mark.parametrize("probe", [Probe(), Probe("/a", 7), Probe("", -1)])
-def test_a_probe_survives_the_way_there_and_back(probe: Probe) -> None:
+def test_a_probe_survives_the_way_there_and_back(probe):
     assert decode_probe(encode_probe(probe)) == probe
 
 
 _PAYLOAD = encode_announcement(Announcement(_NODE))
 
 
-def test_a_truncated_announcement_is_none() -> None:
+def test_a_truncated_announcement_is_none():
     assert all(decode_announcement(_PAYLOAD[:end]) is None for end in range(len(_PAYLOAD)))
 
 
-def test_a_truncated_probe_is_none() -> None:
+def test_a_truncated_probe_is_none():
     payload = encode_probe(Probe("/a", 7))
     assert all(decode_probe(payload[:end]) is None for end in range(len(payload)))
 
 
-def _of(*endpoints: msgs.Endpoint) -> bytes:
+def _of(*endpoints):
     message, details = msgs.Announcement(), msgs.NodeDetails()
     message.name, details.endpoints = "/a", appendables(endpoints)
     message.details = encode_appendable(details)
     return encode(message)
 
 
-def _named(topic: str, role: int = 0) -> msgs.Endpoint:
+def _named(topic, role=0):
     endpoint = msgs.Endpoint()
     endpoint.topic, endpoint.role = topic, role
     return endpoint
 
 
 @pytest.mark.parametrize("role", [4, -1, 127, -128])
-def test_an_endpoint_with_an_unknown_role_is_left_out(role: int) -> None:
+def test_an_endpoint_with_an_unknown_role_is_left_out(role):
     decoded = decode_announcement(_of(_named("/a", role), _named("/b")))
     assert decoded is not None
     assert [end.topic for end in decoded.node.endpoints] == ["/b"]
 
 
 @pytest.mark.parametrize("topic", ["", "/" + 63 * "a", "/a\0b"])
-def test_an_endpoint_whose_topic_is_no_channel_is_left_out(topic: str) -> None:
+def test_an_endpoint_whose_topic_is_no_channel_is_left_out(topic):
     decoded = decode_announcement(_of(_named(topic), _named("/b")))
     assert decoded is not None
     assert [end.topic for end in decoded.node.endpoints] == ["/b"]
 
 
-def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
+def test_an_announcement_of_an_unknown_state_is_a_node_that_lives():
     message = msgs.Announcement()
     message.name, message.state = "/driver", 7
     decoded = decode_announcement(encode(message))
@@ -132,13 +132,13 @@ def test_an_announcement_of_an_unknown_state_is_a_node_that_lives() -> None:
 
 @pytest.mark.parametrize("length", [-1, 1 << 30, (1 << 31) - 1, -(1 << 31)])
 @pytest.mark.parametrize("position", [8, 16])  # of the details, of the name
-def test_an_announcement_with_an_absurd_length_is_none(position: int, length: int) -> None:
+def test_an_announcement_with_an_absurd_length_is_none(position, length):
     broken = bytearray(_PAYLOAD)
     struct.pack_into(">i", broken, position, length)
     assert decode_announcement(bytes(broken)) is None
 
 
-def test_another_message_is_no_announcement_and_no_probe() -> None:
+def test_another_message_is_no_announcement_and_no_probe():
     payload = encode(String())
     assert decode_announcement(payload) is None
     assert decode_probe(payload) is None
@@ -147,7 +147,7 @@ def test_another_message_is_no_announcement_and_no_probe() -> None:
 
 @settings(max_examples=300)
 @given(st.data())
-def test_an_announcement_with_any_bytes_changed_never_raises(data: st.DataObject) -> None:
+def test_an_announcement_with_any_bytes_changed_never_raises(data):
     broken = bytearray(_PAYLOAD)
     for _ in range(data.draw(st.integers(1, 8))):
         broken[data.draw(st.integers(0, len(broken) - 1))] = data.draw(st.integers(0, 255))
@@ -155,13 +155,13 @@ def test_an_announcement_with_any_bytes_changed_never_raises(data: st.DataObject
 
 
 @given(st.binary(max_size=200))
-def test_any_bytes_after_the_fingerprint_never_raise(data: bytes) -> None:
+def test_any_bytes_after_the_fingerprint_never_raise(data):
     decode_announcement(_PAYLOAD[:8] + data)
     decode_probe(encode_probe(Probe())[:8] + data)
 
 
-def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
-    def identity(node: Node, *, leaving: bool = False, answers: int = 0) -> bytes:
+def test_the_identity_in_an_announcement_is_the_nodes_own():
+    def identity(node, *, leaving=False, answers=0):
         return head_of(encode_announcement(Announcement(node, leaving, answers))).identity
 
     assert identity(_NODE)
@@ -172,11 +172,11 @@ def test_the_identity_in_an_announcement_is_the_nodes_own() -> None:
         assert identity(other) != identity(_NODE)
 
 
-def _revision(node: Node) -> bytes:
+def _revision(node):
     return head_of(encode_announcement(Announcement(node))).revision
 
 
-def test_counters_and_clocks_change_no_revision() -> None:
+def test_counters_and_clocks_change_no_revision():
     counted = _NODE.endpoints[1]._replace(
         messages=9, bytes=9, drops=9, last_time=9, calls=9, busy=9, longest=9
     )
@@ -186,27 +186,27 @@ def test_counters_and_clocks_change_no_revision() -> None:
     assert _revision(_NODE._replace(endpoints=changed)) != _revision(_NODE)
 
 
-def test_another_error_of_a_callback_changes_the_revision_and_its_count_does_not() -> None:
+def test_another_error_of_a_callback_changes_the_revision_and_its_count_does_not():
     first, second = _NODE.errors
     counted = first._replace(message="'r'", count=341, last_time=9)
     assert _revision(_NODE._replace(errors=(second, counted))) == _revision(_NODE)
     assert _revision(_NODE._replace(errors=(first,))) != _revision(_NODE)
 
 
-def test_no_more_than_the_newest_five_errors_are_announced() -> None:
+def test_no_more_than_the_newest_five_errors_are_announced():
     errors = tuple(_NODE.errors[0]._replace(place=f"a.py:{line}") for line in range(9))
     got = decode_announcement(encode_announcement(Announcement(_NODE._replace(errors=errors))))
     assert got is not None
     assert got.node.errors == errors[-5:]
 
 
-def test_an_announcement_is_sent_at_a_time() -> None:
+def test_an_announcement_is_sent_at_a_time():
     announcement = Announcement(_NODE, leaving=True, answers=3)
     assert announcement.sent_at(5) == Announcement(_NODE._replace(sent=5), leaving=True, answers=3)
 
 
 @given(st.binary(max_size=120))
-def test_the_identity_in_anything_else_is_empty_or_some_bytes(data: bytes) -> None:
+def test_the_identity_in_anything_else_is_empty_or_some_bytes(data):
     assert head_of(data).identity == b"" or data.startswith(_PAYLOAD[:8])
     head_of(_PAYLOAD[:8] + data)
 
@@ -214,7 +214,7 @@ def test_the_identity_in_anything_else_is_empty_or_some_bytes(data: bytes) -> No
 @pytest.mark.parametrize(
     "name", ["", "/", "driver", "/a//b", "/a/", "/a b", "/\x1b[2J", "~a", "/" + 63 * "a"]
 )
-def test_an_announcement_of_a_node_without_a_proper_name_is_none(name: str) -> None:
+def test_an_announcement_of_a_node_without_a_proper_name_is_none(name):
     message = msgs.Announcement()
     message.name = name
     assert decode_announcement(encode(message)) is None
@@ -223,17 +223,17 @@ def test_an_announcement_of_a_node_without_a_proper_name_is_none(name: str) -> N
 @pytest.mark.parametrize(
     "request_", [Shutdown("abc"), Shutdown("abc", 7, "a person"), Shutdown("")]
 )
-def test_a_request_to_end_survives_the_way_there_and_back(request_: Shutdown) -> None:
+def test_a_request_to_end_survives_the_way_there_and_back(request_):
     assert decode_shutdown(encode_shutdown(request_)) == request_
 
 
-def test_a_truncated_request_to_end_is_none() -> None:
+def test_a_truncated_request_to_end_is_none():
     payload = encode_shutdown(Shutdown("abc", 7, "a person"))
     assert all(decode_shutdown(payload[:end]) is None for end in range(len(payload)))
     assert decode_shutdown(_PAYLOAD) is None
 
 
-def test_of_what_a_stranger_claims_to_have_observed_the_first_valid_channels_are_read() -> None:
+def test_of_what_a_stranger_claims_to_have_observed_the_first_valid_channels_are_read():
     names = ["", "a" * 300, *(f"/{number}" for number in range(1_000))]
     observed = tuple(Traffic(name, None, (), 1, 1, -(1 << 63), (1 << 63) - 1) for name in names)
     decoded = decode_announcement(

@@ -6,7 +6,6 @@ program of this version sends must be readable for ever.
 
 import json
 import os
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -41,7 +40,7 @@ from lcmtools.graph.relay_report import State, decode_report, encode_report
 from lcmtools.messages.appendable import decode_appendable, encode_appendable
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import fields
-from lcmtools.messages.registry import Message, fingerprint
+from lcmtools.messages.registry import fingerprint
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.types import lcmtools_msgs as msgs
 from lcmtools.types.std_msgs import String
@@ -86,24 +85,24 @@ _APPENDABLE = {  # the fields of version 1; a later version may have more behind
 
 
 @pytest.mark.parametrize("cls", _FROZEN, ids=lambda cls: cls.__name__)
-def test_a_frozen_message_has_its_fingerprint_for_ever(cls: type[Message]) -> None:
+def test_a_frozen_message_has_its_fingerprint_for_ever(cls):
     assert hex(fingerprint(cls)) == hex(_FROZEN[cls])
 
 
 @pytest.mark.parametrize("cls", _APPENDABLE, ids=lambda cls: cls.__name__)
-def test_an_appendable_struct_begins_with_the_fields_of_version_1(cls: type[Message]) -> None:
+def test_an_appendable_struct_begins_with_the_fields_of_version_1(cls):
     names = [field.name for field in fields(cls)]
     known = _APPENDABLE[cls].split()
     assert names[: len(known)] == known
     assert VERSION > 1 or names == known, "a new version number goes with a new field"
 
 
-def _service(name: str) -> object:
+def _service(name):
     message = decode(getattr(msgs, name), _BYTES[f"service {name[7:].lower()}"])
     return [getattr(message, field.name) for field in fields(type(message))]
 
 
-def _parameter(message: msgs.Parameters_Request | msgs.Parameters_Response) -> object:
+def _parameter(message):
     (one,) = message.changes if isinstance(message, msgs.Parameters_Request) else message.parameters
     return [getattr(one, field.name) for field in fields(msgs.Parameter)]
 
@@ -137,17 +136,17 @@ _PARAMETER = ["kp", "float", "1.5", "gain", "0", "2", True]
         (lambda: decode_stamp(_BYTES["relayed stamp"]), Stamp(1, 2, 3, Origin(4, 5, 6))),
     ],
 )
-def test_a_message_of_version_1_is_read(read: Callable[[], object], expected: object) -> None:
+def test_a_message_of_version_1_is_read(read, expected):
     assert read() == expected
 
 
-def test_this_version_writes_a_message_as_version_1_does() -> None:
+def test_this_version_writes_a_message_as_version_1_does():
     assert VERSION > 1 or encode_report(_REPORT) == _BYTES["relay report"]
     assert encode_probe(Probe("/husky0/driver", 7)) == _BYTES["probe"]
     assert encode_shutdown(Shutdown("1-abc", 8, "someone")) == _BYTES["shutdown"]
 
 
-def test_of_an_announcement_before_version_1_the_head_is_read() -> None:
+def test_of_an_announcement_before_version_1_the_head_is_read():
     node = Node("/husky0/driver", "1-abc", "robot", 4711, 1_700_000_000_000_000_000)
     node = node._replace(command="python driver.py", version=0, has_details=False)
     payload = _BYTES["announcement before version 1"]
@@ -156,7 +155,7 @@ def test_of_an_announcement_before_version_1_the_head_is_read() -> None:
     assert all(decode_announcement(payload[:end]) is None for end in range(100))
 
 
-def _newer(payload: bytes, *, roles: bool = True) -> bytes:
+def _newer(payload, *, roles=True):
     """Return an announcement as of a later version: more in each place that may grow."""
     message = decode(msgs.Announcement, payload)
     message.version, message.software = VERSION + 1, "lcmtools 9.0.0"
@@ -174,14 +173,14 @@ def _newer(payload: bytes, *, roles: bool = True) -> bytes:
     return encode(message) + b"bytes after the end"
 
 
-def test_what_a_later_version_appends_is_ignored() -> None:
+def test_what_a_later_version_appends_is_ignored():
     payload = _newer(_BYTES["announcement"])
     expected = _NODE._replace(version=VERSION + 1, software="lcmtools 9.0.0")
     assert decode_announcement(payload) == Announcement(expected, answers=77)
     assert head_of(payload).identity == head_of(_BYTES["announcement"]).identity
 
 
-def test_what_an_earlier_version_lacks_has_defaults() -> None:
+def test_what_an_earlier_version_lacks_has_defaults():
     message = decode(msgs.Announcement, _BYTES["announcement"])
     details = decode_appendable(msgs.NodeDetails, message.details)
     after_depth = encode_appendable(_endpoint_of(details)).index(b"group\0") + 6 + 4
@@ -198,12 +197,12 @@ def test_what_an_earlier_version_lacks_has_defaults() -> None:
     assert (decoded.node.busy, decoded.node.errors, decoded.node.ports) == (0, (), _NODE.ports)
 
 
-def _endpoint_of(details: msgs.NodeDetails) -> msgs.Endpoint:
+def _endpoint_of(details):
     return decode_appendable(msgs.Endpoint, details.endpoints[0].data)
 
 
 @pytest.mark.parametrize("cls", _APPENDABLE, ids=lambda cls: cls.__name__)
-def test_a_struct_that_ends_after_any_of_its_fields_is_read(cls: type[Message]) -> None:
+def test_a_struct_that_ends_after_any_of_its_fields_is_read(cls):
     whole = encode_appendable(cls())
     ends = {end for end in range(len(whole) + 1) if _is_read(cls, whole[:end])}
     names = [field for field in fields(cls) if not field.dimensions]
@@ -211,7 +210,7 @@ def test_a_struct_that_ends_after_any_of_its_fields_is_read(cls: type[Message]) 
     assert len(ends) == len(names) + 1  # empty arrays take no bytes
 
 
-def _is_read(cls: type[Message], data: bytes) -> bool:
+def _is_read(cls, data):
     with suppress(DecodeError):
         decode_appendable(cls, data)
         return True
@@ -219,7 +218,7 @@ def _is_read(cls: type[Message], data: bytes) -> bool:
 
 
 @pytest.mark.parametrize("details", [b"", b"\xff" * 9, b"\0\0\0"])
-def test_of_unreadable_details_the_head_remains(details: bytes) -> None:
+def test_of_unreadable_details_the_head_remains(details):
     message = decode(msgs.Announcement, _BYTES["announcement"])
     message.details = details
     decoded = decode_announcement(encode(message))
@@ -230,7 +229,7 @@ def test_of_unreadable_details_the_head_remains(details: bytes) -> None:
     assert passed_on == decoded  # by a relay, which could not read them either
 
 
-def test_topics_of_unreadable_details_are_those_of_the_messages() -> None:
+def test_topics_of_unreadable_details_are_those_of_the_messages():
     message = decode(msgs.Announcement, _BYTES["announcement"])
     message.details = b"\xff"
     builder, sender = GraphBuilder(), Sender("127.0.0.1", 4001)
@@ -244,7 +243,7 @@ def test_topics_of_unreadable_details_are_those_of_the_messages() -> None:
     assert not node.stale
 
 
-def test_values_of_later_enumerations_do_no_harm() -> None:
+def test_values_of_later_enumerations_do_no_harm():
     message = decode(msgs.Announcement, _BYTES["announcement"])
     message.state = 9
     decoded = decode_announcement(encode(message))
@@ -258,7 +257,7 @@ def test_values_of_later_enumerations_do_no_harm() -> None:
     assert knowledge == _REPORT._replace(links=(replace(_REPORT.links[0], state=State.STANDBY),))
 
 
-def test_a_link_that_cannot_be_read_costs_no_other() -> None:
+def test_a_link_that_cannot_be_read_costs_no_other():
     report = decode(msgs.RelayReport, _BYTES["relay report"])
     odd = msgs.Appendable()
     odd.data = b"\xff"
@@ -268,9 +267,7 @@ def test_a_link_that_cannot_be_read_costs_no_other() -> None:
 
 @pytest.mark.parametrize("channel", sorted(TALK_CHANNELS))
 @pytest.mark.parametrize("payload", [b"", b"\1" * 8, b"\1" * 80, encode(String())])
-def test_an_unknown_message_on_a_channel_of_the_protocol_does_nothing(
-    channel: str, payload: bytes
-) -> None:
+def test_an_unknown_message_on_a_channel_of_the_protocol_does_nothing(channel, payload):
     builder = GraphBuilder()
     builder.add(Packet(channel, payload, 1, None))
     assert builder.add_all([Packet(channel, payload, 1, None)])
@@ -280,7 +277,7 @@ def test_an_unknown_message_on_a_channel_of_the_protocol_does_nothing(
 
 
 @pytest.mark.parametrize("name", ["announcement", "remote announcement"])
-def test_an_announcement_that_is_kept_for_others_keeps_what_is_unknown(name: str) -> None:
+def test_an_announcement_that_is_kept_for_others_keeps_what_is_unknown(name):
     payload = _BYTES[name] if name.startswith("remote") else _newer(_BYTES[name])
     retained = Retained()
     retained.keep(payload, 1.0)
@@ -293,7 +290,7 @@ def test_an_announcement_that_is_kept_for_others_keeps_what_is_unknown(name: str
         assert inner(kept).details == inner(payload).details
 
 
-def test_a_log_of_version_1_is_read() -> None:
+def test_a_log_of_version_1_is_read():
     with LogFile(_FIXTURES / "ride.lcmlog") as log:
         (announced,) = log.announcements()
         assert decode_announcement(announced.payload) == Announcement(_NODE)
@@ -304,7 +301,7 @@ def test_a_log_of_version_1_is_read() -> None:
         assert {one.name for one in log.index.senders.values()} == {"/husky0/driver"}
 
 
-def test_an_index_of_a_later_version_is_read_as_far_as_it_is_known() -> None:
+def test_an_index_of_a_later_version_is_read_as_far_as_it_is_known():
     lines = (_FIXTURES / "ride.lcmlog.index").read_text().splitlines()
     newer = ['{"index":2}', '{"weather":["sunny"]}']
     for line in lines[1:]:
@@ -319,16 +316,16 @@ def test_an_index_of_a_later_version_is_read_as_far_as_it_is_known() -> None:
 
 
 @pytest.mark.parametrize("lines", [[], ["{}"], ['{"index":"1"}'], ['{"other":1}'], ["no JSON"]])
-def test_lines_that_are_no_index_are_none(lines: list[str]) -> None:
+def test_lines_that_are_no_index_are_none(lines):
     assert parse_index(lines) is None
 
 
 @pytest.fixture
-def record(tmp_path: Path) -> Callable[[dict[str, object]], NodeRecords]:
+def record(tmp_path):
     """Writes the record of a node that has ended."""
     url = parse_url("udpm://239.255.76.67:19999?ttl=0")
 
-    def write(values: dict[str, object]) -> NodeRecords:
+    def write(values):
         records = NodeRecords(url, {"XDG_RUNTIME_DIR": str(tmp_path)})
         records.write(Node("/other", "other", "here", os.getpid()))
         (folder,) = (tmp_path / "lcmtools" / "records").iterdir()
@@ -349,20 +346,18 @@ _RECORD = {"name": "/a", "id": "abc", "host": "here", "pid": 1, "start_ticks": -
         {**_RECORD, "version": 9, "start_time": 5, "command": "a b", "weather": ["sunny"]},
     ],
 )
-def test_a_record_of_another_version_is_read(
-    values: dict[str, object], record: Callable[[dict[str, object]], NodeRecords]
-) -> None:
+def test_a_record_of_another_version_is_read(values, record):
     (node,) = record(values).read()
     assert (node.name, node.id, node.pid) == ("/a", "abc", 1)
     assert node.stale == "ended without saying goodbye"
 
 
-def _evidence() -> dict[str, object]:
-    document: dict[str, object] = json.loads((_FIXTURES / "evidence.json").read_text())
+def _evidence():
+    document = json.loads((_FIXTURES / "evidence.json").read_text())
     return document
 
 
-def test_evidence_of_version_1_is_read() -> None:
+def test_evidence_of_version_1_is_read():
     evidence = from_text(json.dumps(_evidence()))
     assert evidence.url == "udpm://239.255.76.67:7667?ttl=1"
     assert [node.name for node in evidence.graph.nodes] == ["/n"]
@@ -370,7 +365,7 @@ def test_evidence_of_version_1_is_read() -> None:
     assert evidence.relays[0].commands == ("/cmd_vel",)
 
 
-def test_evidence_of_a_later_version_is_read_as_far_as_it_is_known() -> None:
+def test_evidence_of_a_later_version_is_read_as_far_as_it_is_known():
     document = _evidence()
     document["lcmtools_evidence"] = 2
     evidence = document["evidence"]
@@ -387,7 +382,7 @@ def test_evidence_of_a_later_version_is_read_as_far_as_it_is_known() -> None:
     assert replace(found, graph=usual.graph) == usual
 
 
-def test_a_log_of_version_1_is_played_from_python() -> None:
+def test_a_log_of_version_1_is_played_from_python():
     with open_log(_FIXTURES / "ride.lcmlog") as log:
         assert [arrival.message.data for arrival in log.messages()] == [
             f"hello {n}" for n in range(3)

@@ -1,7 +1,6 @@
 """What strangers may send without end is known up to a bound: the longest silent is forgotten."""
 
 import tracemalloc
-from collections.abc import Iterator
 
 import pytest
 
@@ -24,19 +23,19 @@ _MINUTE = 60_000_000_000
 _STRANGER = Sender("10.0.0.66", 666)
 
 
-def _message(channel: str, time: int = 1) -> Packet:
+def _message(channel, time=1):
     return Packet(channel, bytes(8), time, _STRANGER)
 
 
-def _said(node: Node, time: int = 1, *, leaving: bool = False) -> Packet:
+def _said(node, time=1, *, leaving=False):
     return Packet(NODE_CHANNEL, encode_announcement(Announcement(node, leaving)), time, _STRANGER)
 
 
-def _nodes(count: int) -> Iterator[Node]:
+def _nodes(count):
     return (Node(f"/n{number}", f"id{number}", "h", 1) for number in range(count))
 
 
-def test_channels_are_bounded_and_the_longest_silent_is_forgotten() -> None:
+def test_channels_are_bounded_and_the_longest_silent_is_forgotten():
     graph = GraphBuilder()
     for number in range(MOST_FLOWS + 1000):
         graph.add_all([_message(f"/reply_{number}"), _message("/odom")])
@@ -47,14 +46,14 @@ def test_channels_are_bounded_and_the_longest_silent_is_forgotten() -> None:
     assert graph.forgotten == 1001
 
 
-def test_a_log_has_all_of_its_channels() -> None:
+def test_a_log_has_all_of_its_channels():
     graph = GraphBuilder(is_log=True)
     graph.add_all(_message(f"/reply_{number}") for number in range(MOST_FLOWS + 10))
     assert len(graph.snapshot(10 * _MINUTE).topic_names()) == MOST_FLOWS + 10
 
 
 @pytest.mark.parametrize("leaving", [False, True])
-def test_nodes_are_bounded(leaving: bool) -> None:  # noqa: FBT001 - a case
+def test_nodes_are_bounded(leaving):
     graph = GraphBuilder(but="me")
     for node in _nodes(MOST_NODES + 10):
         graph.add(_said(node, leaving=leaving))
@@ -63,7 +62,7 @@ def test_nodes_are_bounded(leaving: bool) -> None:  # noqa: FBT001 - a case
     assert "me" in graph.heard()
 
 
-def test_nodes_are_bounded_where_only_heads_are_followed() -> None:
+def test_nodes_are_bounded_where_only_heads_are_followed():
     graph = GraphBuilder()
     for node in _nodes(MOST_NODES + 10):
         packet = _said(node)
@@ -71,7 +70,7 @@ def test_nodes_are_bounded_where_only_heads_are_followed() -> None:
     assert len(graph.snapshot(2).nodes) == MOST_NODES
 
 
-def test_large_announcements_are_bounded_by_bytes() -> None:
+def test_large_announcements_are_bounded_by_bytes():
     graph = GraphBuilder()
     topics = tuple(Endpoint(f"/t{number}", Role.PUBLISHER) for number in range(2000))
     for node in _nodes(100):
@@ -79,7 +78,7 @@ def test_large_announcements_are_bounded_by_bytes() -> None:
     assert 5 < len(graph.snapshot(2).nodes) < 30
 
 
-def test_many_that_are_silent_for_a_minute_are_forgotten_down_to_some() -> None:
+def test_many_that_are_silent_for_a_minute_are_forgotten_down_to_some():
     graph = GraphBuilder()
     graph.add_all(_message(f"/reply_{number}") for number in range(3000))
     for node in _nodes(1500):
@@ -89,7 +88,7 @@ def test_many_that_are_silent_for_a_minute_are_forgotten_down_to_some() -> None:
     assert (len(later.traffic), len(later.nodes)) == (500, 500)
 
 
-def test_types_of_many_channels_are_looked_up_in_one_go(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_types_of_many_channels_are_looked_up_in_one_go(monkeypatch):
     graph, passes = GraphBuilder(), []
     ends = tuple(Endpoint(f"/t{number}", Role.PUBLISHER, ("a/B",)) for number in range(100))
     graph.add(_said(Node("/n", "id", "h", 1, endpoints=ends)))
@@ -99,7 +98,7 @@ def test_types_of_many_channels_are_looked_up_in_one_go(monkeypatch: pytest.Monk
     assert len(passes) == 1
 
 
-def _bomb(size: int) -> bytes:
+def _bomb(size):
     """An announcement whose details are an array of ``size`` bytes of empty endpoints."""
     message = decode(msgs.Announcement, encode_announcement(Announcement(Node("/n", "i", "h", 1))))
     count = size // 4
@@ -108,7 +107,7 @@ def _bomb(size: int) -> bytes:
     return encode(message)
 
 
-def test_an_announcement_that_is_too_large_is_not_unpacked() -> None:
+def test_an_announcement_that_is_too_large_is_not_unpacked():
     payload = _bomb(5_000_000)
     tracemalloc.start()
     try:
@@ -130,11 +129,11 @@ def test_an_announcement_that_is_too_large_is_not_unpacked() -> None:
     ],
     ids=["id", "host", "behind a relay"],
 )
-def test_an_announcement_with_a_large_head_is_none(node: Node) -> None:
+def test_an_announcement_with_a_large_head_is_none(node):
     assert decode_announcement(encode_announcement(Announcement(node))) is None
 
 
-def test_an_announcement_of_thousands_of_endpoints_is_read() -> None:
+def test_an_announcement_of_thousands_of_endpoints_is_read():
     ends = tuple(
         Endpoint(f"/robot_{n}/camera/image", Role.PUBLISHER, ("a/B",)) for n in range(3000)
     )
@@ -145,14 +144,14 @@ def test_an_announcement_of_thousands_of_endpoints_is_read() -> None:
     assert len(found.node.endpoints) == 3000
 
 
-def test_retained_announcements_are_bounded() -> None:
+def test_retained_announcements_are_bounded():
     retained = Retained()
     for node in _nodes(MOST_NODES + 10):
         retained.keep(encode_announcement(Announcement(node)), 1.0)
     assert len(list(retained.payloads(1.0))) == MOST_NODES
 
 
-def test_decoded_endpoints_are_kept_by_number_and_size() -> None:
+def test_decoded_endpoints_are_kept_by_number_and_size():
     kept = protocol._known_endpoint.cache_info
     many = tuple(Endpoint(f"/t{n}", Role.PUBLISHER, ("a/B",)) for n in range(3000))
     for round_ in range(4):

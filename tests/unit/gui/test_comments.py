@@ -32,7 +32,7 @@ int32 LEVEL=3 # a constant
 """
 
 
-def test_comments_above_are_of_what_follows() -> None:
+def test_comments_above_are_of_what_follows():
     assert comments(LCM) == {
         "": Comment("A pose, in two parts."),
         "n": Comment("number of points"),
@@ -42,7 +42,7 @@ def test_comments_above_are_of_what_follows() -> None:
     }
 
 
-def test_comments_behind_are_of_their_line_in_files_of_ros() -> None:
+def test_comments_behind_are_of_their_line_in_files_of_ros():
     found = comments(MSG)
     assert found["x"] == Comment("forward", "m")
     assert found["points"] == Comment()

@@ -2,9 +2,7 @@
 
 import subprocess
 import threading
-from typing import Any
 
-import pytest
 from fixtures.gui import FakeSource
 
 from lcmtools.gui.protocol import Parameters
@@ -12,13 +10,13 @@ from lcmtools.gui.streams import findings
 from lcmtools.gui.streams.findings import DoctorFindings
 
 
-def test_closing_ends_a_look_that_is_just_being_started(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_closing_ends_a_look_that_is_just_being_started(monkeypatch):
     """The window may end right after: nobody else would end the look's process."""
     popen = subprocess.Popen
     starts, may_go_on = threading.Event(), threading.Event()
-    looks: list[subprocess.Popen[bytes]] = []
+    looks = []
 
-    def start_slowly(*_: object, **streams: Any) -> subprocess.Popen[bytes]:
+    def start_slowly(*_, **streams):
         looks.append(popen(["sleep", "60"], **streams))
         starts.set()
         assert may_go_on.wait(10)

@@ -1,7 +1,5 @@
 """The graph as a page draws it."""
 
-from typing import Any
-
 import pytest
 from fixtures.other_version import other_version
 from fixtures.protocol.messages import NODE
@@ -17,7 +15,7 @@ from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet, Sender
 
 
-def _diagram(*more: Member) -> Diagram:
+def _diagram(*more):
     members = (Member("n1", "/a/talker", pid=7), Member("n2", "/b/listener"), *more)
     channels = (Channel("t1", "/a/chatter", ("std_msgs/String",), messages=3),)
     edges = (
@@ -27,11 +25,11 @@ def _diagram(*more: Member) -> Diagram:
     return Diagram(members, channels, edges)
 
 
-def _made(diagram: Diagram, **flags: bool) -> Any:
+def _made(diagram, **flags):
     return GraphMaker(Parameters(flags)).make(diagram)
 
 
-def test_data_flow_from_left_to_right() -> None:
+def test_data_flow_from_left_to_right():
     made = _made(_diagram())
     left = {one["key"]: one["box"][0] for one in made["vertices"]}
     assert left["node:/a/talker"] < left["topic:/a/chatter"] < left["node:/b/listener"]
@@ -39,30 +37,30 @@ def test_data_flow_from_left_to_right() -> None:
     assert made["counted"] == "2 nodes, 1 topic"
 
 
-def test_without_topics_nodes_are_joined() -> None:
+def test_without_topics_nodes_are_joined():
     made = _made(_diagram(), topics=False)
     assert [one["kind"] for one in made["vertices"]] == ["node", "node"]
     [edge] = made["edges"]
     assert (edge["relation"], edge["topics"]) == ("feeds", ("/a/chatter",))
 
 
-def test_each_namespace_has_a_band() -> None:
+def test_each_namespace_has_a_band():
     made = _made(_diagram(), groups=True)
     assert [one["name"] for one in made["groups"]] == ["/a", "/b"]
     assert _made(_diagram())["groups"] == []
 
 
-def test_places_stay_when_something_comes_and_ids_are_others() -> None:
+def test_places_stay_when_something_comes_and_ids_are_others():
     maker = GraphMaker(Parameters({}))
-    first: Any = maker.make(_diagram())
-    again: Any = maker.make(_diagram())
+    first = maker.make(_diagram())
+    again = maker.make(_diagram())
     assert again == first
-    more: Any = maker.make(_diagram(Member("n3", "/new")))
+    more = maker.make(_diagram(Member("n3", "/new")))
     order = [one["key"] for one in sorted(more["vertices"], key=lambda one: one["box"][1])]
     assert set(order) == {*(one["key"] for one in first["vertices"]), "node:/new"}
 
 
-def test_tools_are_drawn_where_they_are_wanted() -> None:
+def test_tools_are_drawn_where_they_are_wanted():
     tool = Member("n3", "/_lcmtools_echo_1", is_tool=True)
     assert len(_made(_diagram(tool))["vertices"]) == 3
     assert _made(_diagram(tool))["leftOut"].startswith("not drawn: 1 command")
@@ -70,7 +68,7 @@ def test_tools_are_drawn_where_they_are_wanted() -> None:
 
 
 @pytest.mark.parametrize("kind", ["newer", "older", "unreadable", "before"])
-def test_a_node_of_another_version_is_drawn_with_its_topics(kind: str) -> None:
+def test_a_node_of_another_version_is_drawn_with_its_topics(kind):
     builder, sender = GraphBuilder(), Sender("127.0.0.1", 4001)
     payload = encode_announcement(Announcement(NODE._replace(tool=False)))
     builder.add(Packet(NODE_CHANNEL, other_version(payload, kind), 1, sender))

@@ -14,31 +14,31 @@ from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import String
 
 
-def _open(source: FakeSource, **parameters: float) -> NewestImage:
+def _open(source, **parameters):
     source.know(camera=Image)
     return NewestImage(source, Parameters({"topic": "/camera", **parameters}))
 
 
-def _image(encoding: str, width: int, height: int, data: bytes) -> Image:
+def _image(encoding, width, height, data):
     message = Image()
     message.encoding, message.width, message.height = encoding, width, height
     message.data, message.data_length, message.step = data, len(data), len(data) // height
     return message
 
 
-def _file(kind: str, data: bytes) -> CompressedImage:
+def _file(kind, data):
     message = CompressedImage()
     message.format, message.data, message.data_length = kind, data, len(data)
     return message
 
 
-def _png(width: int, height: int, bits: int, color: int) -> bytes:
+def _png(width, height, bits, color):
     header = struct.pack(">4sIIBBBBB", b"IHDR", width, height, bits, color, 0, 0, 0)
     check = struct.pack(">I", zlib.crc32(header))
     return b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + header + check
 
 
-def test_the_newest_image_comes_once() -> None:
+def test_the_newest_image_comes_once():
     source = FakeSource()
     stream = _open(source)
     assert stream.update() is None
@@ -51,7 +51,7 @@ def test_the_newest_image_comes_once() -> None:
     assert stream.update() is None
 
 
-def test_no_more_images_come_than_the_rate_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_more_images_come_than_the_rate_allows(monkeypatch):
     now = 100.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
     source = FakeSource()
@@ -67,7 +67,7 @@ def test_no_more_images_come_than_the_rate_allows(monkeypatch: pytest.MonkeyPatc
     assert stream.update()
 
 
-def test_depth_comes_with_its_unit_and_its_numbers() -> None:
+def test_depth_comes_with_its_unit_and_its_numbers():
     source = FakeSource()
     stream = _open(source)
     source.put("/camera", _image("16UC1", 2, 2, struct.pack("<4H", 0, 1, 2, 65535)))
@@ -78,7 +78,7 @@ def test_depth_comes_with_its_unit_and_its_numbers() -> None:
     assert {name: update.data[name] for name in expected} == expected
 
 
-def test_no_more_pixels_come_than_the_page_shows() -> None:
+def test_no_more_pixels_come_than_the_page_shows():
     source = FakeSource()
     stream = _open(source, pixels=1000)
     source.put("/camera", _image("mono8", 100, 50, bytes(range(250)) * 20))
@@ -89,7 +89,7 @@ def test_no_more_pixels_come_than_the_page_shows() -> None:
     assert len(update.payload or b"") == 34 * 17
 
 
-def test_large_images_come_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_large_images_come_less_often(monkeypatch):
     now = 100.0
     monkeypatch.setattr(time, "monotonic", lambda: now)
     source = FakeSource()
@@ -107,7 +107,7 @@ def test_large_images_come_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("data", "kind"), [(b"\xff\xd8\xff\xe0 ...", "image/jpeg"), (_png(4, 3, 8, 2), "image/png")]
 )
-def test_files_of_images_come_as_they_are(data: bytes, kind: str) -> None:
+def test_files_of_images_come_as_they_are(data, kind):
     source = FakeSource()
     stream = _open(source)
     source.put("/camera", _file("x", data))
@@ -117,7 +117,7 @@ def test_files_of_images_come_as_they_are(data: bytes, kind: str) -> None:
     assert "kind" not in update.data
 
 
-def test_a_png_file_of_16_bits_is_depth() -> None:
+def test_a_png_file_of_16_bits_is_depth():
     source = FakeSource()
     stream = _open(source)
     data = _png(4, 3, 16, 0)
@@ -142,9 +142,7 @@ def test_a_png_file_of_16_bits_is_depth() -> None:
         ),
     ],
 )
-def test_what_cannot_be_drawn_is_a_problem_until_an_image_comes(
-    message: Image | CompressedImage | String, problem: str
-) -> None:
+def test_what_cannot_be_drawn_is_a_problem_until_an_image_comes(message, problem):
     source = FakeSource()
     stream = _open(source)
     source.put("/camera", message)
@@ -155,13 +153,13 @@ def test_what_cannot_be_drawn_is_a_problem_until_an_image_comes(
     assert stream.problem() == ""
 
 
-def test_an_unknown_topic_is_named_with_the_near_one() -> None:
+def test_an_unknown_topic_is_named_with_the_near_one():
     source = FakeSource()
     source.know(camera=Image)
     stream = NewestImage(source, Parameters({"topic": "/camra"}))
     assert_says(stream.problem(), "no topic /camra", "did you mean /camera?")
 
 
-def test_pixels_have_to_be_a_number() -> None:
+def test_pixels_have_to_be_a_number():
     with pytest.raises(MalformedRequest):
         NewestImage(FakeSource(), Parameters({"topic": "/camera", "pixels": "many"}))

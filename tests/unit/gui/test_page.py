@@ -18,16 +18,14 @@ class Counting(PageStream):
     period: ClassVar[float] = 0.0
     count = 0
 
-    def update(self) -> Update:
+    def update(self):
         """Return the next number."""
         self.count += 1
         return Update({"count": self.count})
 
 
 @pytest.mark.parametrize("is_paced", [False, True])
-def test_an_update_of_a_paced_stream_waits_until_the_page_has_taken_the_last(
-    *, is_paced: bool
-) -> None:
+def test_an_update_of_a_paced_stream_waits_until_the_page_has_taken_the_last(*, is_paced):
     stream = OpenStream(Counting(FakeSource(), Parameters({})))
     shown = _Subscription(1, stream, is_paced=is_paced)
     shown.go_on()  # for a stream of this number before

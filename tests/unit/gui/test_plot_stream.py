@@ -9,7 +9,6 @@ from fixtures.says import assert_says
 
 from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import plot
-from lcmtools.gui.streams.base import Update
 from lcmtools.gui.streams.plot import Plot
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
@@ -17,30 +16,30 @@ from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import Float64, String
 
 
-def _open(source: FakeSource, *fields: str) -> Plot:
+def _open(source, *fields):
     stream = Plot(source, Parameters({"fields": list(fields), "choice": 3}))
     stream.update()  # it follows what is there
     return stream
 
 
-def _samples(update: Update | None) -> list[tuple[float, ...]]:
+def _samples(update):
     assert update is not None
     values = array("d", bytes(update.payload or b""))
     return list(zip(values[::3], values[1::3], values[2::3], strict=True))
 
 
-def _float(value: float) -> Float64:
+def _float(value):
     message = Float64()
     message.data = value
     return message
 
 
-def _problems(update: Update | None) -> list[str]:
+def _problems(update):
     assert update is not None
-    return [one["problem"] for one in update.data["fields"]]  # type: ignore[index, union-attr, call-overload] # of Json
+    return [one["problem"] for one in update.data["fields"]]
 
 
-def test_every_sample_comes_with_its_time_and_its_curve() -> None:
+def test_every_sample_comes_with_its_time_and_its_curve():
     source = FakeSource()
     source.know(a=Float64, b=Float64)
     stream = _open(source, "/a/data", "/b/data")
@@ -64,7 +63,7 @@ def test_every_sample_comes_with_its_time_and_its_curve() -> None:
     assert "curves" not in update.data
 
 
-def test_an_array_and_a_message_are_a_curve_for_each_number() -> None:
+def test_an_array_and_a_message_are_a_curve_for_each_number():
     source = FakeSource()
     source.know(joints=JointState, v=Twist)
     stream = _open(source, "/joints/position", "/v/linear")
@@ -80,7 +79,7 @@ def test_an_array_and_a_message_are_a_curve_for_each_number() -> None:
     ]
 
 
-def test_an_unknown_topic_is_named_with_the_near_one_and_waited_for() -> None:
+def test_an_unknown_topic_is_named_with_the_near_one_and_waited_for():
     source = FakeSource()
     source.know(velocity=Float64)
     stream = Plot(source, Parameters({"fields": ["/velocty/data"]}))
@@ -100,9 +99,7 @@ def test_an_unknown_topic_is_named_with_the_near_one_and_waited_for() -> None:
         ("/a", b"\0\1", "too short for an LCM message"),
     ],
 )
-def test_what_is_no_number_is_a_problem_of_its_field(
-    field: str, message: Float64 | String | bytes, problem: str
-) -> None:
+def test_what_is_no_number_is_a_problem_of_its_field(field, message, problem):
     source = FakeSource()
     source.know(a=None)
     stream = _open(source, field, "/a/data[")
@@ -112,7 +109,7 @@ def test_what_is_no_number_is_a_problem_of_its_field(
     assert_says(told[1], "'/data['", "'['", "']'")
 
 
-def test_a_slow_page_loses_the_oldest_samples_and_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slow_page_loses_the_oldest_samples_and_is_told(monkeypatch):
     monkeypatch.setattr(plot, "_MOST_SAMPLES", 10)
     source = FakeSource()
     source.know(a=Float64)
@@ -127,7 +124,7 @@ def test_a_slow_page_loses_the_oldest_samples_and_is_told(monkeypatch: pytest.Mo
     assert len(samples) <= 10
 
 
-def test_a_closed_plot_follows_nothing() -> None:
+def test_a_closed_plot_follows_nothing():
     source = FakeSource()
     source.know(a=Float64)
     stream = _open(source, "/a/data")
@@ -135,7 +132,7 @@ def test_a_closed_plot_follows_nothing() -> None:
     assert source.followed == {"/a": []}
 
 
-def test_curves_have_the_units_of_their_fields_or_of_those_around_them() -> None:
+def test_curves_have_the_units_of_their_fields_or_of_those_around_them():
     source = FakeSource()
     source.know(v=Twist, odometry=Odometry)
     fields = ("/v/linear.x", "/v/angular.z", "/odometry/pose.pose.orientation.w")
@@ -144,7 +141,7 @@ def test_curves_have_the_units_of_their_fields_or_of_those_around_them() -> None
     source.put("/odometry", Odometry())
     update = stream.update()
     assert update is not None
-    units = dict(zip(update.data["curves"], update.data["units"], strict=True))  # type: ignore[arg-type, call-overload] # of Json
+    units = dict(zip(update.data["curves"], update.data["units"], strict=True))
     assert units == {
         "/v/linear.x": "m/s",
         "/v/angular.z": "rad/s",

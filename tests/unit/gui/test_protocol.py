@@ -28,18 +28,18 @@ from lcmtools.gui.streams.base import PageStream
     ],
     ids=itertools.count(),
 )
-def test_rubbish_is_refused(data: str | bytes) -> None:
+def test_rubbish_is_refused(data):
     with pytest.raises(MalformedRequest):
         read_request(data)
 
 
 @pytest.mark.parametrize("number", [-1, 2**40, "7", True, None, [], 1e400, 10**400])
-def test_a_requests_number_is_a_small_one(number: object) -> None:
+def test_a_requests_number_is_a_small_one(number):
     with pytest.raises(MalformedRequest):
         read_request(json.dumps({"op": "close", "id": number}, allow_nan=True)).id  # noqa: B018
 
 
-def test_a_request_has_its_parameters() -> None:
+def test_a_request_has_its_parameters():
     request = read_request('{"op": "open", "id": 7, "stream": "plot", "fields": ["/a/x", "/b"]}')
     assert (request.op, request.id, request.text("stream")) == ("open", 7, "plot")
     parameters = request.without("op", "id", "stream")
@@ -50,7 +50,7 @@ def test_a_request_has_its_parameters() -> None:
     assert parameters.value("none") is None
 
 
-def test_parameters_are_checked() -> None:
+def test_parameters_are_checked():
     values = Parameters({"a": "x" * 2000, "b": True, "c": ["x", 7], "d": 5, "e": ["x"] * 2000})
     for read in (
         *(lambda: values.text("a"), lambda: values.text("missing"), lambda: values.number("b")),
@@ -61,14 +61,14 @@ def test_parameters_are_checked() -> None:
             read()
 
 
-def test_numbers_that_json_lacks_are_texts_and_null_is_a_missing_value() -> None:
+def test_numbers_that_json_lacks_are_texts_and_null_is_a_missing_value():
     data = {"a": [math.inf, 1.5, (math.nan,)], "b": -math.inf, "c": None}
     text = text_frame({"id": 1, "data": data})
     assert json.loads(text)["data"] == {"a": ["inf", 1.5, ["nan"]], "b": "-inf", "c": None}
 
 
 @pytest.mark.parametrize("name", ["", "x", "xy", "xyz", "ä" * 9])
-def test_a_payload_begins_at_a_multiple_of_eight(name: str) -> None:
+def test_a_payload_begins_at_a_multiple_of_eight(name):
     frame = binary_frame({"id": 7, "name": name}, b"\1\2\3")
     length = int.from_bytes(frame[:4], "little")
     assert (4 + length) % 8 == 0
@@ -77,7 +77,7 @@ def test_a_payload_begins_at_a_multiple_of_eight(name: str) -> None:
 
 
 @pytest.mark.parametrize("table", [ASKS, ACTIONS])
-def test_each_request_has_its_function(table: dict[str, str]) -> None:
+def test_each_request_has_its_function(table):
     for name in table:
         assert callable(answer(name, table))
     with pytest.raises(MalformedRequest, match="there is no request 'x'"):
@@ -85,5 +85,5 @@ def test_each_request_has_its_function(table: dict[str, str]) -> None:
 
 
 @pytest.mark.parametrize("name", STREAMS)
-def test_each_stream_has_its_class(name: str) -> None:
+def test_each_stream_has_its_class(name):
     assert issubclass(stream_class(name), PageStream)

@@ -1,28 +1,25 @@
 """Types for pages, and forms that are filled in."""
 
-from typing import Any, cast
-
 import pytest
 
 from lcmtools.errors import UnknownType, ValueMismatch
 from lcmtools.gui.protocol import MalformedRequest, Parameters
-from lcmtools.gui.source import Source
 from lcmtools.gui.type_forms import describe, filled_in
 
-NOTHING = cast("Source", None)  # a type is the same on every source
+NOTHING = None  # a type is the same on every source
 
 
-def described(name: str) -> dict[str, Any]:
+def described(name):
     found = describe(NOTHING, Parameters({"type": name}))
     assert isinstance(found, dict)
     return found
 
 
-def message(kind: str, **values: Any) -> Any:
+def message(kind, **values):
     return filled_in(Parameters({"type": kind, "values": values})).message
 
 
-def test_a_type_has_its_comments_units_and_defaults() -> None:
+def test_a_type_has_its_comments_units_and_defaults():
     about = described("Odometry")
     assert about["type"] == "nav_msgs/Odometry"
     assert about["comment"].startswith("Estimate of a robot's pose")
@@ -34,26 +31,26 @@ def test_a_type_has_its_comments_units_and_defaults() -> None:
     assert by_name["header"]["fields"][1]["isTime"] is True
 
 
-def test_an_array_is_one_field() -> None:
+def test_an_array_is_one_field():
     (ranges,) = (
         one for one in described("sensor_msgs/LaserScan")["fields"] if one["name"] == "ranges"
     )
     assert (ranges["type"], ranges["isArray"], ranges["default"]) == ("float32[]", True, None)
 
 
-def test_an_unknown_type_is_an_error() -> None:
+def test_an_unknown_type_is_an_error():
     with pytest.raises(UnknownType):
         described("geometry_msgs/Twits")
 
 
-def test_texts_are_read_by_the_type_of_their_field() -> None:
+def test_texts_are_read_by_the_type_of_their_field():
     found = message("geometry_msgs/Twist", linear={"x": "4e-1", "y": ""}, angular={"z": "-1"})
     assert (found.linear.x, found.linear.y, found.angular.z) == (0.4, 0.0, -1.0)
     assert message("std_msgs/String", data="").data == ""
     assert message("std_msgs/Bool", data=True).data is True
 
 
-def test_an_array_is_yaml_and_an_empty_one_stays() -> None:
+def test_an_array_is_yaml_and_an_empty_one_stays():
     found = message("sensor_msgs/JointState", name="[left, right]", velocity="[1, 2.5]", effort=" ")
     assert (list(found.name), list(found.velocity), list(found.effort)) == (
         ["left", "right"],
@@ -62,14 +59,14 @@ def test_an_array_is_yaml_and_an_empty_one_stays() -> None:
     )
 
 
-def test_now_is_the_moment_of_sending() -> None:
+def test_now_is_the_moment_of_sending():
     values = {"header": {"stamp": "now", "frame_id": "map"}}
     template = filled_in(Parameters({"type": "geometry_msgs/PoseStamped", "values": values}))
-    sent: Any = template.at(5_000_000_007)
+    sent = template.at(5_000_000_007)
     assert (sent.header.stamp.sec, sent.header.frame_id) == (5, "map")
 
 
-def test_a_value_that_does_not_fit_names_its_field() -> None:
+def test_a_value_that_does_not_fit_names_its_field():
     with pytest.raises(ValueMismatch, match=r"linear\.x.*fast"):
         message("geometry_msgs/Twist", linear={"x": "fast"})
     with pytest.raises(ValueMismatch, match="velocity"):
@@ -77,6 +74,6 @@ def test_a_value_that_does_not_fit_names_its_field() -> None:
 
 
 @pytest.mark.parametrize("values", [None, 7, [], {"linear": [1, 2]}, {"linear": {"x": None}}])
-def test_what_no_form_sends_is_rubbish(values: Any) -> None:
+def test_what_no_form_sends_is_rubbish(values):
     with pytest.raises(MalformedRequest):
         filled_in(Parameters({"type": "geometry_msgs/Twist", "values": values}))

@@ -4,11 +4,11 @@ import pytest
 
 from lcmtools.gui.velocity import VelocityCommand, commands_velocity
 from lcmtools.messages.codec import decode
-from lcmtools.messages.registry import Message, message_class
+from lcmtools.messages.registry import message_class
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 
 
-def test_a_twist_has_the_velocity() -> None:
+def test_a_twist_has_the_velocity():
     command = VelocityCommand(Twist)
     message = decode(Twist, command.payload(0.5, -0.25, 0))
     stop = decode(Twist, command.payload(0.0, 0.0, 0))
@@ -16,7 +16,7 @@ def test_a_twist_has_the_velocity() -> None:
     assert (message.linear.x, message.linear.y, message.angular.z) == (0.5, 0.0, -0.25)
 
 
-def test_a_twist_with_a_header_has_the_time_of_sending() -> None:
+def test_a_twist_with_a_header_has_the_time_of_sending():
     command = VelocityCommand(TwistStamped)
     command.payload(0.5, 0.0, 1)
     message = decode(TwistStamped, command.payload(0.0, 1.5, 3_000_000_004))
@@ -35,8 +35,8 @@ def test_a_twist_with_a_header_has_the_time_of_sending() -> None:
         "std_msgs/String",
     ],
 )
-def test_other_types_command_no_velocity(name: str) -> None:
-    kind: type[Message] = message_class(name)
+def test_other_types_command_no_velocity(name):
+    kind = message_class(name)
     assert not commands_velocity(kind)
     with pytest.raises(ValueError, match="commands no velocity"):
         VelocityCommand(kind)

@@ -4,7 +4,6 @@ import math
 import re
 from array import array
 from pathlib import Path as FilePath
-from typing import Any
 
 import pytest
 from fixtures.gui import FakeSource
@@ -13,13 +12,11 @@ from fixtures.says import assert_says
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.gui import drawings
 from lcmtools.gui.drawings import DRAWINGS, MarkerScene, drawing_kinds
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import STREAMS
-from lcmtools.gui.streams.base import Update
 from lcmtools.gui.streams.pool import OpenStream
 from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
 from lcmtools.messages.message_template import draft
-from lcmtools.messages.registry import Message
 from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.types.geometry_msgs import PoseStamped, TransformStamped
@@ -32,17 +29,17 @@ from lcmtools.types.visualization_msgs import Marker, MarkerArray
 HALF = math.sqrt(0.5)
 
 
-def on(topic: str) -> Parameters:
+def on(topic):
     return Parameters({"topic": topic})
 
 
-def numbers(update: Update | None) -> list[float]:
+def numbers(update):
     assert update is not None
     assert update.payload is not None
     return [round(one, 4) for one in array("f", bytes(update.payload))]
 
 
-def transforms(*frames: tuple[str, str, float], sec: int = 0) -> TFMessage:
+def transforms(*frames, sec=0):
     """Frames with their parent and x."""
     message = TFMessage()
     for parent, child, x in frames:
@@ -53,7 +50,7 @@ def transforms(*frames: tuple[str, str, float], sec: int = 0) -> TFMessage:
     return message
 
 
-def marker(number: int, action: int = Marker.ADD, life: int = 0) -> Marker:
+def marker(number, action=Marker.ADD, life=0):
     found = Marker()
     found.ns, found.id, found.action, found.type = "a", number, action, Marker.CUBE
     found.header.frame_id, found.lifetime.sec = "base", life
@@ -61,7 +58,7 @@ def marker(number: int, action: int = Marker.ADD, life: int = 0) -> Marker:
     return found
 
 
-def ids(update: Update | None) -> int:
+def ids(update):
     """The number of markers of an update."""
     assert update is not None
     shown = update.data["markers"]
@@ -69,7 +66,7 @@ def ids(update: Update | None) -> int:
     return len(shown)
 
 
-def test_topics_that_can_be_drawn_and_simulators_are_listed() -> None:
+def test_topics_that_can_be_drawn_and_simulators_are_listed():
     source = FakeSource()
     source.know(tf=TFMessage, scan=LaserScan, chatter=String, camera=Image, unknown=None)
     service = Endpoint("/morse/set_pose", Role.SERVICE, types=("sim_msgs/SetPose",))
@@ -80,7 +77,7 @@ def test_topics_that_can_be_drawn_and_simulators_are_listed() -> None:
     update = stream.update()
 
     assert update is not None
-    topics: Json = update.data["topics"]
+    topics = update.data["topics"]
     assert isinstance(topics, list)
     assert [(one["topic"], one["type"], one["kind"]) for one in topics] == [
         ("/scan", "sensor_msgs/LaserScan", "scan"),
@@ -90,7 +87,7 @@ def test_topics_that_can_be_drawn_and_simulators_are_listed() -> None:
     assert update.data["simulators"] == ["/morse"]
 
 
-def test_the_page_has_code_for_each_kind_of_drawing_and_no_other() -> None:
+def test_the_page_has_code_for_each_kind_of_drawing_and_no_other():
     panels = FilePath(drawings.__file__).parent / "static" / "panels"
     source = (panels / "world" / "drawings.js").read_text()
     (table,) = re.findall(r"^export const KINDS = \{$(.*?)^\};$", source, re.MULTILINE | re.DOTALL)
@@ -101,7 +98,7 @@ def test_the_page_has_code_for_each_kind_of_drawing_and_no_other() -> None:
     assert set(re.findall(r'stream: "(\w+)"', table)) <= STREAMS.keys()
 
 
-def test_pages_get_what_they_share_once_until_it_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pages_get_what_they_share_once_until_it_changes(monkeypatch):
     monkeypatch.setattr(Drawable, "period", 0.0)
     source = FakeSource()
     source.know(tf=TFMessage)
@@ -116,7 +113,7 @@ def test_pages_get_what_they_share_once_until_it_changes(monkeypatch: pytest.Mon
     assert shown.version == 2
 
 
-def test_frames_of_all_messages_are_kept_each_where_it_was_last() -> None:
+def test_frames_of_all_messages_are_kept_each_where_it_was_last():
     source = FakeSource()
     stream = Frames(source, on("/tf"))
     source.put("/tf", transforms(("odom", "a", 1), ("a", "laser", 3), sec=4), time=10.0)
@@ -141,9 +138,7 @@ def test_frames_of_all_messages_are_kept_each_where_it_was_last() -> None:
         ("odom", "base", math.nan, "not finite"),
     ],
 )
-def test_a_frame_that_cannot_be_placed_is_told_and_the_others_stay(
-    parent: str, child: str, x: float, said: str
-) -> None:
+def test_a_frame_that_cannot_be_placed_is_told_and_the_others_stay(parent, child, x, said):
     source = FakeSource()
     stream = Frames(source, on("/tf"))
     source.put("/tf", transforms(("odom", "a", 1), (parent, child, x)), time=1.0)
@@ -168,8 +163,8 @@ def test_a_frame_that_cannot_be_placed_is_told_and_the_others_stay(
     ],
 )
 def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
-    *, sent: dict[str, list[float]], now: float, is_latched: bool, old: list[str]
-) -> None:
+    *, sent, now, is_latched, old
+):
     source = FakeSource()
     stream = Frames(source, on("/tf"))
     end = Endpoint("/tf", Role.PUBLISHER, types=("tf2_msgs/TFMessage",), latched=is_latched)
@@ -190,7 +185,7 @@ def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
 
 
 @pytest.mark.parametrize(("messages", "is_old"), [(2, False), (3, True)])
-def test_a_frame_that_has_come_once_is_as_old_as_its_topic(*, messages: int, is_old: bool) -> None:
+def test_a_frame_that_has_come_once_is_as_old_as_its_topic(*, messages, is_old):
     source = FakeSource()  # a page that is opened late has the last message only
     stream = Frames(source, on("/tf"))
     source.put("/tf", transforms(("odom", "a", 1)), time=1.0)
@@ -202,7 +197,7 @@ def test_a_frame_that_has_come_once_is_as_old_as_its_topic(*, messages: int, is_
     assert stream.problem() == ("old: 1 of 1 frames, 'a' for 16 s" if is_old else "")
 
 
-def two_points(**values: int) -> PointCloud2:
+def two_points(**values):
     """A cloud with one field, that is as described but for some values."""
     cloud, field = PointCloud2(), PointField()
     field.name, field.offset, field.datatype, field.count = "x", 0, PointField.FLOAT64, 1
@@ -213,7 +208,7 @@ def two_points(**values: int) -> PointCloud2:
     return cloud
 
 
-def cells(width: int, height: int, resolution: float = 0.05) -> OccupancyGrid:
+def cells(width, height, resolution=0.05):
     grid = OccupancyGrid()
     grid.info.resolution = resolution
     grid.info.width, grid.info.height, grid.data = width, height, [0] * 6
@@ -239,7 +234,7 @@ def cells(width: int, height: int, resolution: float = 0.05) -> OccupancyGrid:
         (draft(LaserScan, {"range_max": math.nan}).message, "range_min is 0 and range_max nan"),
     ],
 )
-def test_messages_that_contradict_themselves_are_told(message: Message, said: str) -> None:
+def test_messages_that_contradict_themselves_are_told(message, said):
     source = FakeSource()
     stream = Newest(source, on("/x"))
     source.put("/x", message)
@@ -251,18 +246,16 @@ def test_messages_that_contradict_themselves_are_told(message: Message, said: st
     ("rate", "age", "messages", "silence"),
     [(10.0, 0.1, 9, None), (0.0, 16.2, 9, 16), (None, 1.2, 1, None), (0.0, 16.2, 1, None)],
 )
-def test_a_topic_that_was_sent_repeatedly_is_old_when_it_falls_silent(
-    rate: float | None, age: float, messages: int, silence: int | None
-) -> None:
+def test_a_topic_that_was_sent_repeatedly_is_old_when_it_falls_silent(rate, age, messages, silence):
     source = FakeSource()
     row = ChannelRow("/scan", ("sensor_msgs/LaserScan",), messages=messages, rate=rate, age=age)
     source.latest = Snapshot((row,))
     update = Drawable(source, Parameters({})).update()
-    topics: Any = update and update.data["topics"]
+    topics = update and update.data["topics"]
     assert topics[0]["silence"] == silence
 
 
-def test_markers_come_and_go_and_end() -> None:
+def test_markers_come_and_go_and_end():
     scene = MarkerScene()
     message = MarkerArray()
     message.markers = [marker(1), marker(2, life=5), marker(3)]
@@ -278,7 +271,7 @@ def test_markers_come_and_go_and_end() -> None:
     assert ids(scene.drawing(106.0)) == 0
 
 
-def test_markers_that_are_sent_again_as_they_are_change_nothing() -> None:
+def test_markers_that_are_sent_again_as_they_are_change_nothing():
     source = FakeSource()
     stream = Markers(source, on("/world"))
     source.put("/world", marker(1))
@@ -302,7 +295,7 @@ def test_markers_that_are_sent_again_as_they_are_change_nothing() -> None:
     assert stream.update() is None
 
 
-def test_of_other_topics_the_newest_message_is_sent() -> None:
+def test_of_other_topics_the_newest_message_is_sent():
     source = FakeSource()
     stream = Newest(source, on("/scan"))
     for first in (1.0, 2.0):
@@ -320,7 +313,7 @@ def test_of_other_topics_the_newest_message_is_sent() -> None:
     assert stream.update() is None
 
 
-def test_a_topic_that_cannot_be_drawn_and_one_that_is_not_there_are_told() -> None:
+def test_a_topic_that_cannot_be_drawn_and_one_that_is_not_there_are_told():
     source = FakeSource()
     source.know(chatter=String)
     stream = Newest(source, on("/chatter"))
@@ -331,7 +324,7 @@ def test_a_topic_that_cannot_be_drawn_and_one_that_is_not_there_are_told() -> No
     assert "did you mean /chatter?" in Newest(source, on("/chater")).problem()
 
 
-def test_what_has_come_once_may_be_silent() -> None:
+def test_what_has_come_once_may_be_silent():
     source = FakeSource()
     stream = Newest(source, on("/path"))
     assert_says(stream.problem(), "no topic /path", "waiting")
@@ -342,20 +335,20 @@ def test_what_has_come_once_may_be_silent() -> None:
     assert stream.problem() == ""
 
 
-def odometry() -> Odometry:
+def odometry():
     message = Odometry()
     message.header.frame_id, message.child_frame_id = "odom", "base"
     message.pose.pose.position.x, message.twist.twist.angular.z = 1.0, 0.5
     return message
 
 
-def goal(**rotation: float) -> PoseStamped:
-    message: PoseStamped = draft(PoseStamped, {"pose": {"orientation": rotation}}).message
+def goal(**rotation):
+    message = draft(PoseStamped, {"pose": {"orientation": rotation}}).message
     message.pose.position.y = 3.0
     return message
 
 
-def path() -> Path:
+def path():
     message = Path()
     message.poses = [goal(), goal()]
     return message
@@ -373,9 +366,7 @@ def path() -> Path:
     ],
     ids=["odometry", "pose", "long", "short", "infinite", "path"],
 )
-def test_poses_are_seven_numbers(
-    message: Message, about: dict[str, object], payload: list[float] | None
-) -> None:
+def test_poses_are_seven_numbers(message, about, payload):
     update = DRAWINGS[type(message)].convert(message)
 
     for name, value in about.items():
@@ -383,7 +374,7 @@ def test_poses_are_seven_numbers(
     assert (update.payload and numbers(update)) == payload
 
 
-def test_a_cloud_is_sent_as_it_is_with_the_places_of_its_fields() -> None:
+def test_a_cloud_is_sent_as_it_is_with_the_places_of_its_fields():
     cloud = PointCloud2()
     field = PointField()
     field.name, field.offset, field.datatype = "x", 4, PointField.FLOAT32
@@ -396,7 +387,7 @@ def test_a_cloud_is_sent_as_it_is_with_the_places_of_its_fields() -> None:
     assert update.payload == bytes(range(16))
 
 
-def test_the_cells_of_a_map_are_bytes() -> None:
+def test_the_cells_of_a_map_are_bytes():
     grid = OccupancyGrid()
     grid.info.width, grid.info.height, grid.info.resolution = 3, 1, 0.5
     grid.data = [-1, 0, 100]

@@ -18,12 +18,12 @@ PACKAGE = "create"
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def write(files: dict[str, str]) -> None:
+def write(files):
     for name, text in files.items():
         if text == PACKAGE:
             create(NewPackage(name, "simple_controller"), Path(name).absolute())
@@ -69,18 +69,14 @@ def write(files: dict[str, str]) -> None:
         ),
     ],
 )
-def test_the_programs_of_the_current_folder_are_checked(
-    files: dict[str, str], command: str, says: str
-) -> None:
+def test_the_programs_of_the_current_folder_are_checked(files, command, says):
     write(files)
     runs, found = choose(LABS["husky"], {})
     assert " ".join(runs[0].command).partition(" __ns")[0] == command
     assert says in found
 
 
-def test_within_a_package_its_nodes_are_checked_and_not_their_files(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_within_a_package_its_nodes_are_checked_and_not_their_files(folder, monkeypatch):
     write({"lab": PACKAGE})
     monkeypatch.chdir(folder / "lab" / "lab")
     (run,), _ = choose(LABS["husky"], {})
@@ -97,9 +93,7 @@ def test_within_a_package_its_nodes_are_checked_and_not_their_files(
         ("mine.cpp", f"// odometry velocity_cmd\n{MAIN}", "controller", "mine.cpp"),
     ],
 )
-def test_a_file_is_checked_as_the_program_that_it_is(
-    name: str, text: str, option: str, command: str
-) -> None:
+def test_a_file_is_checked_as_the_program_that_it_is(name, text, option, command):
     write({name: text})
     (run,), found = choose(LABS["husky"], {}, [name])
     assert (run.program.option, found) == (option, "")
@@ -126,9 +120,7 @@ def test_a_file_is_checked_as_the_program_that_it_is(
         ),
     ],
 )
-def test_a_file_that_cannot_be_checked_is_refused(
-    files: dict[str, str], given: list[str], says: str
-) -> None:
+def test_a_file_that_cannot_be_checked_is_refused(files, given, says):
     write(files)
     with pytest.raises(UsageError, match=re.escape(says)):
         choose(LABS["husky"], {}, given)

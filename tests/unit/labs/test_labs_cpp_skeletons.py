@@ -1,9 +1,7 @@
 """Skeletons in C++: each is its model answer with the marked parts taken out."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fixtures.says import assert_line, assert_says
@@ -13,7 +11,7 @@ from lcmtools.labs.skeletons import CPP_NAMES, in_package, skeleton_text
 
 
 @pytest.mark.parametrize("name", CPP_NAMES)
-def test_a_skeleton_has_nothing_of_its_answer(name: str) -> None:
+def test_a_skeleton_has_nothing_of_its_answer(name):
     text = skeleton_text(name, is_cpp=True)
     assert "// TODO" in text
     assert "SKELETON" not in text
@@ -23,13 +21,11 @@ def test_a_skeleton_has_nothing_of_its_answer(name: str) -> None:
     assert [one for one in answers if one in text] == []
 
 
-def _source(name: str) -> str:
+def _source(name):
     return Path(skeletons.__file__).with_name(f"{name}.cpp").read_text()
 
 
-def test_a_skeleton_in_cpp_is_copied(
-    cli: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_skeleton_in_cpp_is_copied(cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     copied = cli("lab", "skeleton", "talker", "--cpp")
     assert copied.out == "talker.cpp\n"
@@ -41,9 +37,7 @@ def test_a_skeleton_in_cpp_is_copied(
     assert_line(refused.err, "no skeleton of 'path_follower' in C++", there_are)
 
 
-def test_a_package_gets_a_skeleton_in_cpp_by_another_name(
-    cli: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_package_gets_a_skeleton_in_cpp_by_another_name(cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     cli("pkg", "create", "lab", "--node", "first")
@@ -59,9 +53,7 @@ def test_a_package_gets_a_skeleton_in_cpp_by_another_name(
 
 
 @pytest.mark.parametrize("words", [["watch.cpp"], ["watch", "watch.cpp"], ["lab", "watch.cpp"]])
-def test_the_first_word_is_a_node_or_the_package(
-    cli: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str]
-) -> None:
+def test_the_first_word_is_a_node_or_the_package(cli, tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     cli("pkg", "create", "lab", "--node", "first")
@@ -73,7 +65,7 @@ def test_the_first_word_is_a_node_or_the_package(
 
 
 @pytest.mark.parametrize("name", CPP_NAMES)
-def test_commands_of_a_skeleton_become_those_of_a_package(name: str) -> None:
+def test_commands_of_a_skeleton_become_those_of_a_package(name):
     text = in_package(skeleton_text(name, is_cpp=True), name, "lab")
     assert_says(text, "lcmtools pkg build lab", f"lcmtools run lab {name}")
     assert "g++" not in text

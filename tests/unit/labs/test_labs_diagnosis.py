@@ -1,7 +1,6 @@
 """The causes that checks give, from records of what was observed; no processes."""
 
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -70,7 +69,7 @@ terminate called after throwing an instance of 'std::runtime_error'\r
 """
 
 
-def missing(module: str) -> str:
+def missing(module):
     return f"""\
 Traceback (most recent call last):
   File "/home/anna/simple_controller.py", line 1, in <module>
@@ -86,12 +85,12 @@ ModuleNotFoundError: No module named '{module}'
         (f"{CPP_CALLBACK}{CPP_END}", "std::runtime_error: cannot write a.pgm"),
     ],
 )
-def test_an_exception_of_a_program_in_cpp_is_known(printed: str, says: str) -> None:
+def test_an_exception_of_a_program_in_cpp_is_known(printed, says):
     assert str(last_failure(printed)) == says
     assert last_failure("[INFO] it was raised to 3 m\n") is None
 
 
-def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> None:
+def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file():
     expected = "AttributeError: 'C' object has no attribute 'desird' (simple_controller.py:35)"
     assert str(last_failure(TRACEBACK)) == expected
     assert last_words(TRACEBACK + "[INFO] later\n") == expected
@@ -218,14 +217,14 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file() -> N
         ),
     ],
 )
-def test_the_cause_of_silence_is_named(changes: dict[str, Any], key: str, words: str) -> None:
+def test_the_cause_of_silence_is_named(changes, key, words):
     observed = replace(Observations(CONTROLLER), **changes)
     cause = cause_of(SILENT_ROW, observed)
     assert (cause.key, words in cause.text) == (key, True), cause
 
 
 @pytest.mark.parametrize("given", [ZERO, "unmoved-linear.x"])
-def test_an_input_that_never_comes_explains_a_robot_that_does_not_move(given: str) -> None:
+def test_an_input_that_never_comes_explains_a_robot_that_does_not_move(given):
     look = replace(WELL, subscriptions=[INPUTS[0], Wire("/desired_velocity")])
     row = CheckResult("drive", "1", "0", is_ok=False, cause=given)
     cause = cause_of(row, Observations(CONTROLLER, look=look))
@@ -240,9 +239,7 @@ def test_an_input_that_never_comes_explains_a_robot_that_does_not_move(given: st
         ("/cmd_vel", "teleop", "/RosAria", "so __ns:=/RosAria does not apply: write 'cmd_vel'"),
     ],
 )  # fmt: skip
-def test_a_slash_in_a_program_of_another_lab_is_named(
-    topic: str, args: str, space: str, words: str
-) -> None:
+def test_a_slash_in_a_program_of_another_lab_is_named(topic, args, space, words):
     programs = (program for lab in LABS.values() for program in lab.programs)
     program = next(program for program in programs if program.option == args)
     look = BusLook([f"{space}/mine"], [Wire(topic, "geometry_msgs/Twist")], runs_callbacks=True)
@@ -261,8 +258,8 @@ def test_a_slash_in_a_program_of_another_lab_is_named(
     ],
 )
 def test_a_wrong_input_explains_the_exception_and_the_picture_that_come_of_it(
-    topic: str, callback: str, given: str, key: str
-) -> None:
+    topic, callback, given, key
+):
     row = CheckResult("shows the depth", "90%", "78%", is_ok=False, cause=given)
     failures = [Failure("ValueError", "size", "v.py:3", 86, callback)] if callback else []
     look = replace(WELL, subscriptions=[Wire(topic, "sensor_msgs/Image")], failures=failures)
@@ -283,9 +280,7 @@ def test_a_wrong_input_explains_the_exception_and_the_picture_that_come_of_it(
         ("timer 0.1 s", 11, "raised"),
     ],
 )
-def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
-    callback: str, count: int, key: str
-) -> None:
+def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(callback, count, key):
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause="slow")
     failure = Failure("KeyError", "'a'", "c.py:3", count, callback)
     commands = [CommandMessage(0.0, OUTPUT.topic, JointState(effort=[1.0, 1.0]))] * 100
@@ -294,7 +289,7 @@ def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(
 
 
 @pytest.mark.parametrize("key", [SELDOM, STOPPED, ZERO])
-def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key: str) -> None:
+def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key):
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=key)
     slow = replace(INPUTS[0], calls=10, longest=0.5, busy=5.0)
     look = replace(WELL, subscriptions=[slow])
@@ -310,14 +305,12 @@ def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key:
         (Wire("/a", calls=1, longest=2.0, busy=2.0), False),
     ],
 )
-def test_a_callback_that_often_waits_is_known_though_all_else_is_right(
-    wire: Wire, *, is_busy: bool
-) -> None:
+def test_a_callback_that_often_waits_is_known_though_all_else_is_right(wire, *, is_busy):
     look = replace(WELL, subscriptions=[wire])
     assert bool(busy(Observations(CONTROLLER, look=look), often=True)) is is_busy
 
 
-def test_a_program_of_keys_is_not_advised_to_spin() -> None:
+def test_a_program_of_keys_is_not_advised_to_spin():
     teleop = Observations(LABS["pioneer"].programs[0], look=BusLook(["/teleop"]))
     cause = cause_of(replace(SILENT_ROW, hint="read single keys"), teleop)
     assert cause.text == "read single keys"
@@ -332,5 +325,5 @@ def test_a_program_of_keys_is_not_advised_to_spin() -> None:
         (0.123, ""),
     ],
 )
-def test_the_formula_of_a_wrong_error_is_recognised(measured: float, words: str) -> None:
+def test_the_formula_of_a_wrong_error_is_recognised(measured, words):
     assert error_cause(measured, (0.3, 0.4)) == words

@@ -1,7 +1,6 @@
 """The test bench's wait for a program's first message, and its look at the bus, without either."""
 
 from types import SimpleNamespace
-from typing import cast
 
 import pytest
 
@@ -23,30 +22,30 @@ STARTING = BusLook([NODE], subscriptions=INPUTS)
 class Bench(test_bench.TestBench):
     """A bench of a program that runs and is silent; it notes how long it would wait [s]."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__(LABS["husky"], LABS["husky"].programs[0])
         self.waits = list[float]()
         program = SimpleNamespace(code=None, pid=1, printed=str, was_interrupted=False)
-        program.nothing_within = lambda *args: CheckedProgram.nothing_within(program, *args)  # type: ignore[arg-type]
-        self.program = cast("CheckedProgram", program)
+        program.nothing_within = lambda *args: CheckedProgram.nothing_within(program, *args)
+        self.program = program
         self.recorder = Recorder(
-            cast("lcmtools.Node", SimpleNamespace(create_subscription=lambda *_: None)),
+            SimpleNamespace(create_subscription=lambda *_: None),
             self.lab,
             LABS["husky"].programs[0],
             1.0,
         )
-        self.node = cast("lcmtools.Node", None)
+        self.node = None
 
-    def wait(self, _condition: object, timeout: float) -> bool:
+    def wait(self, _condition, timeout):
         """Wait in vain."""
         self.waits.append(round(timeout, 1))
         return False
 
 
 @pytest.fixture
-def spun(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def spun(monkeypatch):
     """The actions in their order."""
-    done: list[str] = []
+    done = []
     monkeypatch.setattr(
         lcmtools, "spin_once", lambda _: done.append("messages taken"), raising=False
     )
@@ -55,9 +54,7 @@ def spun(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 @pytest.mark.usefixtures("spun")
 @pytest.mark.parametrize(("look", "is_patient"), [(RAISING, False), (STARTING, True)])
-def test_a_cause_that_time_does_not_mend_is_told_early(
-    look: BusLook, monkeypatch: pytest.MonkeyPatch, *, is_patient: bool
-) -> None:
+def test_a_cause_that_time_does_not_mend_is_told_early(look, monkeypatch, *, is_patient):
     monkeypatch.setattr(test_bench, "look_at_bus", lambda *_: look)
     bench = Bench()
     assert not bench.first(list, 10.0, ROW).is_ok
@@ -65,9 +62,7 @@ def test_a_cause_that_time_does_not_mend_is_told_early(
     assert (bench.waits[1] > 1.0) is is_patient
 
 
-def test_messages_that_came_during_a_look_are_taken_before_the_next_row(
-    spun: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_messages_that_came_during_a_look_are_taken_before_the_next_row(spun, monkeypatch):
     monkeypatch.setattr(test_bench, "look_at_bus", lambda *_: spun.append("look") or STARTING)
     bench = Bench()
     bench.observe()

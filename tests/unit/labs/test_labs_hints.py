@@ -2,7 +2,6 @@
 
 import ast
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,7 @@ _OF_PYTHON = re.compile(
 )
 
 
-def _texts(file: Path) -> Iterator[str]:
+def _texts(file):
     """Yield the texts of a module but its docstrings, and so all of its hints."""
     tree = ast.parse(file.read_text())
     bare = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
@@ -27,5 +26,5 @@ FILES = sorted(Path(checks.__file__).parent.glob("*.py"))
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_no_hint_is_in_python(file: Path) -> None:
+def test_no_hint_is_in_python(file):
     assert [text for text in _texts(file) if _OF_PYTHON.search(text)] == []

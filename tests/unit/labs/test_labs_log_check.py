@@ -2,16 +2,12 @@
 
 import json
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
-from lcmtools.messages.registry import Message
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
@@ -21,20 +17,19 @@ from lcmtools.wire.packet import Packet
 
 _START = 1_795_384_180.0  # [s since 1970]
 _PERIOD = 0.02  # [s]
-Check = Callable[..., tuple[int, Any, str]]
 
 
 class _Drive:
     """A log of a robot, whose simulated time is that of the recording from 0 on."""
 
-    def __init__(self, log: LogWriter, robot: str) -> None:
+    def __init__(self, log, robot):
         self._log, self._robot = log, robot
         self.time = 0.0
 
-    def send(self, topic: str, message: Message) -> None:
+    def send(self, topic, message):
         self._log.add(Packet(topic, encode(message), round((_START + self.time) * 1e9)))
 
-    def move(self, x: float, y: float, forward: float, turn_rate: float) -> Odometry:
+    def move(self, x, y, forward, turn_rate):
         """A period later."""
         self.time += _PERIOD
         odometry = Odometry()
@@ -47,13 +42,13 @@ class _Drive:
         return odometry
 
 
-def _twist(forward: float, turn_rate: float) -> Twist:
+def _twist(forward, turn_rate):
     twist = Twist()
     twist.linear.x, twist.angular.z = forward, turn_rate
     return twist
 
 
-def _husky(log: LogWriter, gain: float, steps: list[tuple[float, float, float]]) -> None:
+def _husky(log, gain, steps):
     """Steps of the desired velocity, of a length [s] each, which a gain makes too small."""
     drive, command, stat = _Drive(log, "/husky0"), JointState(), ControllerEvaluationStat()
     command.effort = [0.3, 0.4]
@@ -77,10 +72,10 @@ _STEPS = [_REST, (0.1, 0, 5), _REST, (0.5, 0, 5), _REST, (1, 0, 5), _REST, (0, 0
 
 
 @pytest.fixture
-def check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Check:
+def check(tmp_path, capsys):
     path = tmp_path / "run.lcmlog"
 
-    def run(lab: str, fill: Callable[[LogWriter], None]) -> tuple[int, Any, str]:
+    def run(lab, fill):
         with LogWriter(path, force=True) as log:
             fill(log)
         code = main(["lab", "check", lab, "--bag", str(path), "--json"])
@@ -91,11 +86,11 @@ def check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Check:
     return run
 
 
-def _by_what(record: Any) -> dict[str, Any]:
+def _by_what(record):
     return {row["what"]: row for row in record["rows"]}
 
 
-def test_a_recorded_controller_and_evaluator_are_judged(check: Check) -> None:
+def test_a_recorded_controller_and_evaluator_are_judged(check):
     code, record, text = check("husky", lambda log: _husky(log, 1.0, _STEPS))
     rows = _by_what(record)
     assert code == 0
@@ -108,7 +103,7 @@ def test_a_recorded_controller_and_evaluator_are_judged(check: Check) -> None:
     assert text.endswith("8 of 8 are as the lab specifies\n")
 
 
-def test_a_recorded_step_that_falls_short_has_its_cause(check: Check) -> None:
+def test_a_recorded_step_that_falls_short_has_its_cause(check):
     code, record, text = check("husky", lambda log: _husky(log, 0.8, _STEPS))
     row = _by_what(record)["drive at 0.5 m/s"]
     assert (code, row["ok"], row["cause"]) == (1, False, "slow")
@@ -117,7 +112,7 @@ def test_a_recorded_step_that_falls_short_has_its_cause(check: Check) -> None:
     assert "it printed" not in text
 
 
-def test_steps_that_were_not_desired_or_too_short_are_not_judged(check: Check) -> None:
+def test_steps_that_were_not_desired_or_too_short_are_not_judged(check):
     steps = [(0, 0, 1), (0.5, 0, 1.2), (1, 0, 4), (0, 0, 2)]
     code, record, text = check("husky", lambda log: _husky(log, 1.0, steps))
     found = {one["what"]: one["reason"] for one in record["not_judged"]}
@@ -131,8 +126,8 @@ def test_steps_that_were_not_desired_or_too_short_are_not_judged(check: Check) -
     assert "\n  controller, drive at 0.5 m/s: it was desired for only 1.2 s\n" in text
 
 
-def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check: Check) -> None:
-    def fill(log: LogWriter) -> None:
+def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check):
+    def fill(log):
         _Drive(log, "/husky0").send("/husky0/velocity_cmd", JointState())
 
     code, record, _ = check("husky", fill)
@@ -141,8 +136,8 @@ def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check
     assert reasons[0] == "it was never desired from rest"
 
 
-def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check: Check) -> None:
-    def fill(log: LogWriter) -> None:
+def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check):
+    def fill(log):
         drive, stat = _Drive(log, "/husky0"), ControllerEvaluationStat()
         drive.send("/husky0/desired_velocity", _twist(0.3, 0.4))
         for number in range(100):
@@ -170,10 +165,8 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check: Check) ->
         ),
     ],
 )
-def test_a_recorded_average_that_is_no_root_mean_square_is_found(
-    average: Callable[[list[float]], float], words: str, check: Check
-) -> None:
-    def fill(log: LogWriter) -> None:
+def test_a_recorded_average_that_is_no_root_mean_square_is_found(average, words, check):
+    def fill(log):
         drive, stat, errors = _Drive(log, "/husky0"), ControllerEvaluationStat(), list[float]()
         drive.send("/husky0/desired_velocity", _twist(0.3, 0.4))
         for number in range(100):
@@ -190,7 +183,7 @@ def test_a_recorded_average_that_is_no_root_mean_square_is_found(
     assert row["hint"].startswith(words)
 
 
-def _dolly(log: LogWriter, seconds: float, radius: float = 0.5 / 0.3) -> None:
+def _dolly(log, seconds, radius=0.5 / 0.3):
     drive = _Drive(log, "/dolly")
     for number in range(round(seconds / _PERIOD)):
         angle = 0.3 * drive.time
@@ -203,9 +196,7 @@ def _dolly(log: LogWriter, seconds: float, radius: float = 0.5 / 0.3) -> None:
     ("seconds", "radius", "circle", "others"),
     [(30, 5 / 3, "1.667 m", 1), (30, 2.0, "2.000 m", 1), (10, 5 / 3, None, 2)],
 )
-def test_a_recorded_circle_is_judged_where_there_is_a_round(
-    check: Check, seconds: float, radius: float, circle: str | None, others: int
-) -> None:
+def test_a_recorded_circle_is_judged_where_there_is_a_round(check, seconds, radius, circle, others):
     code, record, text = check("dolly", lambda log: _dolly(log, seconds, radius))
     rows = _by_what(record)
     assert rows["rate of commands"]["measured"] == "2.00 Hz"
@@ -216,7 +207,7 @@ def test_a_recorded_circle_is_judged_where_there_is_a_round(
     assert "reader, all of it: the lines that it prints are not in a log" in text
 
 
-def _pioneer(log: LogWriter, meters: float) -> None:
+def _pioneer(log, meters):
     drive, path = _Drive(log, ""), NavPath()
     for number in range(51):
         pose = PoseStamped()
@@ -228,7 +219,7 @@ def _pioneer(log: LogWriter, meters: float) -> None:
         drive.move(drive.time * 0.5, 0.05, 0.5, 0.0)
 
 
-def test_a_recorded_path_is_judged_to_its_end(check: Check) -> None:
+def test_a_recorded_path_is_judged_to_its_end(check):
     code, record, _ = check("pioneer", lambda log: _pioneer(log, 5.2))
     assert code == 0
     assert _by_what(record)["mean distance from the path"]["measured"] == "0.050 m"
@@ -246,9 +237,7 @@ def test_a_recorded_path_is_judged_to_its_end(check: Check) -> None:
         ([], "{path} has no topic of the lab dolly; lcmtools bag info {path} shows what it has"),
     ],
 )
-def test_a_log_of_something_else_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], error: str
-) -> None:
+def test_a_log_of_something_else_is_refused(tmp_path, capsys, words, error):
     path = tmp_path / "run.lcmlog"
     with LogWriter(path) as log:
         log.add(Packet("/other", encode(Twist()), 0))

@@ -3,11 +3,8 @@
 import functools
 import math
 import statistics
-from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import PIL.Image
 import pytest
@@ -54,7 +51,7 @@ GOAL = 0.3, 0.4
         (3.0, ""),
     ],
 )
-def test_the_formula_of_an_error_is_recognised(measured: float, words: str) -> None:
+def test_the_formula_of_an_error_is_recognised(measured, words):
     assert error_cause(measured, GOAL) == words
 
 
@@ -69,9 +66,7 @@ def test_the_formula_of_an_error_is_recognised(measured: float, words: str) -> N
         (0.2, "the error of linear.x only"),
     ],
 )
-def test_the_formula_of_an_error_of_a_moving_robot_is_recognised(
-    measured: float, words: str
-) -> None:
+def test_the_formula_of_an_error_of_a_moving_robot_is_recognised(measured, words):
     assert error_cause(measured, GOAL, (0.5, 0.2)) == words
 
 
@@ -130,34 +125,32 @@ ERRORS = [0.5] * 6 + [0.0] * 6
         (lambda e: 3.0 + len(e), ""),
     ],
 )
-def test_the_formula_of_an_average_is_recognised(
-    average: Callable[[Sequence[float]], float], words: str
-) -> None:
+def test_the_formula_of_an_average_is_recognised(average, words):
     averages = [average(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
     differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
     assert wrong_average(averages, differences) is not None
     assert average_cause(averages, differences) == words
 
 
-def test_the_root_mean_square_is_right_and_an_average_of_the_samples_so_far() -> None:
+def test_the_root_mean_square_is_right_and_an_average_of_the_samples_so_far():
     averages = [root_mean_square(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
     differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
     assert wrong_average(averages, differences) is None
     assert wrong_average([*averages[:-1], 0.5], differences) == len(ERRORS) - 1
 
 
-def test_a_number_that_no_formula_gives_is_not_explained() -> None:
+def test_a_number_that_no_formula_gives_is_not_explained():
     assert explain_number(0.7, {"half": 0.35}) == ""
     assert explain_number(0.351, {"half": 0.35}) == "half"
 
 
-def twist(forward: float, turn_rate: float) -> Twist:
+def twist(forward, turn_rate):
     message = Twist()
     message.linear.x, message.angular.z = forward, turn_rate
     return message
 
 
-def presses(change: Callable[[str, float, float], Twist | None]) -> dict[str, KeyPress]:
+def presses(change):
     motion, found = Motion(0.5, 1.0), {}
     for key in DRIVING_KEYS:
         motion = motion.after(key)
@@ -180,7 +173,7 @@ def presses(change: Callable[[str, float, float], Twist | None]) -> dict[str, Ke
         ),
     ],
 )
-def test_the_speeds_of_the_basic_keys(change: Any, cause: str, *, is_ok: bool) -> None:
+def test_the_speeds_of_the_basic_keys(change, cause, *, is_ok):
     row = speeds_result(presses(change))
     assert row.is_ok is is_ok
     assert is_ok or row.hint == cause
@@ -195,9 +188,7 @@ def test_the_speeds_of_the_basic_keys(change: Any, cause: str, *, is_ok: bool) -
         (twist(0.5, 0.7), "+0.500 m/s, +0.700 rad/s", "compare 'u' with the table of keys"),
     ],
 )
-def test_a_key_with_another_command_has_its_row(
-    got: Twist | None, measured: str, words: str
-) -> None:
+def test_a_key_with_another_command_has_its_row(got, measured, words):
     drives = presses(lambda k, v, w: got if k == "u" else twist(v, w))
     row = key_result(drives["u"], "u  forward to the left", drives)
     assert (row.is_ok, row.measured) == (False, measured)
@@ -212,9 +203,7 @@ def test_a_key_with_another_command_has_its_row(
         ({"as_capital": True}, "'U' does it, and 'u' does not: the keys are lower-case letters"),
     ],
 )
-def test_a_key_that_is_not_known_is_not_taken_for_another_one(
-    facts: dict[str, bool], words: str
-) -> None:
+def test_a_key_that_is_not_known_is_not_taken_for_another_one(facts, words):
     drives = presses(lambda k, v, w: twist(0.5, -1.0) if k == "u" else twist(v, w))
     press = replace(drives["u"], **facts)
     assert key_result(press, "u  forward to the left", drives).hint.startswith(words)
@@ -233,9 +222,7 @@ def test_a_key_that_is_not_known_is_not_taken_for_another_one(
         ("7.82 m, ahead", "", ""),
     ],
 )
-def test_the_direction_that_is_printed_with_a_range_is_that_of_its_beam(
-    printed: str, title: str, measured: str
-) -> None:
+def test_the_direction_that_is_printed_with_a_range_is_that_of_its_beam(printed, title, measured):
     ranges = [math.inf] * 60 + [3.25] * 12 + [math.inf] * 18 + [5.05] * 40 + [8.1] * 20
     scan = LaserScan(angle_min=-1.0, angle_increment=0.01, ranges=[*ranges, *[7.82] * 50])
     ranges[65] = 3.2
@@ -259,7 +246,7 @@ def test_the_direction_that_is_printed_with_a_range_is_that_of_its_beam(
         ("'Vector3' object has no attribute 'q'", ""),
     ],
 )
-def test_a_slip_of_the_printed_texts_is_answered(error: str, words: str) -> None:
+def test_a_slip_of_the_printed_texts_is_answered(error, words):
     assert words in slip(error)
     assert words or not slip(error)
 
@@ -271,20 +258,20 @@ def test_a_slip_of_the_printed_texts_is_answered(error: str, words: str) -> None
         (twist(0.5, 0.2), "compare 'u' with the table of keys in the lab"),  # 'u' itself is wrong
     ],
 )
-def test_a_key_that_changes_no_speed_is_told_by_the_one_before(before: Twist, words: str) -> None:
+def test_a_key_that_changes_no_speed_is_told_by_the_one_before(before, words):
     drives = presses(lambda k, v, w: before if k == "u" else twist(v, w))
     press = KeyPress("u", (0.55, 1.1), before)
     assert change_result(press, "u  after q, both 10 % more", drives).hint == words
 
 
-def test_a_first_key_that_brings_a_twist_of_0_is_asked_for_once() -> None:
+def test_a_first_key_that_brings_a_twist_of_0_is_asked_for_once():
     """The robot does not move, although something is published: the key is not in the table."""
-    commands: list[CommandMessage] = []
+    commands = []
     program = SimpleNamespace(
         code=None, press=lambda _: commands.append(CommandMessage(0.0, "/RosAria/cmd_vel", Twist()))
     )
     recorder = SimpleNamespace(commands=commands, record_command=lambda _: None)
-    bench: Any = SimpleNamespace(
+    bench = SimpleNamespace(
         recorder=recorder, start=lambda *_, **__: program, wait=lambda condition, _: condition()
     )
     (row,) = check_teleop(bench, ["teleop"])
@@ -300,7 +287,7 @@ BLOCKS = ("abcdabcc", "bbadcadb", "cabcddab", "dcbaabca")
 """Blocks of 20 columns and 30 rows, each of one of four depths."""
 
 
-def depth_image() -> Image:
+def depth_image():
     """Return a picture of the blocks, with depths from 1 to 4 m."""
     image = Image()
     image.width, image.height, image.step, image.encoding = 160, 120, 320, "16UC1"
@@ -313,7 +300,7 @@ def depth_image() -> Image:
     return image
 
 
-def grey(image: Image) -> PIL.Image.Image:
+def grey(image):
     depths = [int.from_bytes(image.data[i : i + 2], "little") for i in range(0, 2 * 160 * 120, 2)]
     picture = PIL.Image.new("L", (160, 120))
     picture.putdata([255 - depth // 25 for depth in depths])
@@ -329,13 +316,13 @@ def grey(image: Image) -> PIL.Image.Image:
         (PIL.Image.Transpose.ROTATE_90, "width and height are exchanged: it is 160 wide, 120 high"),
     ],
 )
-def test_a_picture_that_is_turned_is_recognised(turn: Any, words: str) -> None:
+def test_a_picture_that_is_turned_is_recognised(turn, words):
     truth = depth_image()
     shown = Picture(grey(truth).transpose(turn), "L", Kind.GREY)
     assert picture_cause(truth, shown).startswith(words)
 
 
-def test_a_picture_that_is_black_or_unlike_is_told_apart() -> None:
+def test_a_picture_that_is_black_or_unlike_is_told_apart():
     truth = depth_image()
     black = Picture(PIL.Image.new("L", (160, 120)), "L", Kind.GREY)
     assert picture_cause(truth, black).startswith("the picture is all black: is it the data")
@@ -348,11 +335,11 @@ def test_a_picture_that_is_black_or_unlike_is_told_apart() -> None:
     [(lambda one: one, 120, True), (lambda one: 255 - one // 12, 10, False)],
 )
 def test_a_picture_in_which_near_and_far_hardly_differ_is_not_right(
-    tmp_path: Path, shade: Callable[[int], int], contrast: int, *, is_ok: bool
-) -> None:
+    tmp_path, shade, contrast, *, is_ok
+):
     truth = depth_image()
     grey(truth).point(shade).save(tmp_path / "picture.png")
-    bench: Any = SimpleNamespace(
+    bench = SimpleNamespace(
         folder=tmp_path,
         recorder=SimpleNamespace(record=lambda *_: [truth]),
         start=lambda *_: None,
@@ -364,24 +351,24 @@ def test_a_picture_in_which_near_and_far_hardly_differ_is_not_right(
     assert (row.what, row.measured, row.is_ok) == ("has contrast", f"{contrast}", is_ok)
 
 
-def test_a_dolly_that_does_not_drive_as_commanded_says_so() -> None:
+def test_a_dolly_that_does_not_drive_as_commanded_says_so():
     right = twist(0.5, 0.3)
     assert "do commands keep coming?" in dolly.circle_cause(None, [], right).text
     assert "before the previous one expires" in dolly.circle_cause(1.2, [], right).text
     assert "speed and turn rate are exchanged" in dolly.circle_cause(0.6, [], twist(0.3, 0.5)).text
 
 
-def test_ranges_that_are_printed_once_or_in_millimetres_are_recognised() -> None:
+def test_ranges_that_are_printed_once_or_in_millimetres_are_recognised():
     ranges = [3.36, 3.31, 5.05, math.inf]
     assert "it prints only once" in dolly.ranges_cause("3.36", ranges, ["3.36"]).text
     assert "it prints millimetres" in dolly.ranges_cause("3360 3310 5050", ranges, []).text
 
 
-def test_a_step_without_odometry_asks_for_the_simulator() -> None:
+def test_a_step_without_odometry_asks_for_the_simulator():
     run = StepRun(Step(0.5, 0.0), [], [])
     assert not run.is_over()
     assert judge(run).hint == "does the simulator still run?"
 
 
-def test_an_exception_without_a_message_is_its_name() -> None:
+def test_an_exception_without_a_message_is_its_name():
     assert str(Failure("KeyboardInterrupt", place="a.py:3")) == "KeyboardInterrupt (a.py:3)"

@@ -1,7 +1,6 @@
 """Distances from a path, and their causes, on drives that are made up. Metres, seconds."""
 
 import math
-from collections.abc import Iterable
 
 import pytest
 
@@ -13,7 +12,7 @@ ROUND = [(2 * math.sin(a / 20), 2 - 2 * math.cos(a / 20)) for a in range(126)]
 """Nearly a whole circle to the left, 12.5 m long."""
 
 
-def drive_along(states: Iterable[tuple[float, float, float, float]]) -> DrivenPath:
+def drive_along(states):
     """Drive through places with a speed and a turn rate, ten a second."""
     drive = DrivenPath(ROUND)
     for number, state in enumerate(states):
@@ -21,14 +20,14 @@ def drive_along(states: Iterable[tuple[float, float, float, float]]) -> DrivenPa
     return drive
 
 
-def circle(radius: float, part: float = 1.0) -> list[tuple[float, float, float, float]]:
+def circle(radius, part=1.0):
     """A drive around the path's middle."""
     angles = [math.tau * part * n / 300 for n in range(299)]
     return [(radius * math.sin(a), 2 - radius * math.cos(a), 0.4, 0.2) for a in angles]
 
 
 @pytest.mark.parametrize(("radius", "offset"), [(2.0, 0.0), (1.9, 0.1), (2.2, -0.2)])
-def test_a_robot_that_keeps_its_distance_strays_by_it(radius: float, offset: float) -> None:
+def test_a_robot_that_keeps_its_distance_strays_by_it(radius, offset):
     drive = drive_along(circle(radius))
 
     assert drive.length == pytest.approx(12.5, abs=0.01)
@@ -37,7 +36,7 @@ def test_a_robot_that_keeps_its_distance_strays_by_it(radius: float, offset: flo
     assert drive.mean == pytest.approx(abs(offset), abs=0.002)
 
 
-def test_a_closed_path_is_not_over_at_its_start() -> None:
+def test_a_closed_path_is_not_over_at_its_start():
     drive = drive_along(circle(2.0, 0.05))
 
     assert not drive.is_over(29.8)
@@ -45,7 +44,7 @@ def test_a_closed_path_is_not_over_at_its_start() -> None:
 
 
 @pytest.mark.parametrize("piece", [0.5, 1.0, 4.0])
-def test_a_path_of_long_pieces_is_followed_piece_by_piece(piece: float) -> None:
+def test_a_path_of_long_pieces_is_followed_piece_by_piece(piece):
     drive = DrivenPath([(piece * n, 0.0) for n in range(round(8 / piece) + 1)])
     for number in range(81):
         drive.add(TrueState(number / 10, number / 10, -0.05, 1.0, 0.0))
@@ -54,21 +53,21 @@ def test_a_path_of_long_pieces_is_followed_piece_by_piece(piece: float) -> None:
     assert {round(offset, 9) for _, offset in drive.offsets} == {-0.05}
 
 
-def test_a_robot_that_rests_far_from_the_end_is_not_waited_for() -> None:
+def test_a_robot_that_rests_far_from_the_end_is_not_waited_for():
     drive = drive_along([(0, 0, 0, 0)] * 20)
 
     assert not drive.is_over(7.9)
     assert drive.is_over(8.1)
 
 
-def test_a_robot_that_creeps_is_not_waited_for() -> None:
+def test_a_robot_that_creeps_is_not_waited_for():
     drive = drive_along([(n / 500, 0, 0.02, 0) for n in range(120)])  # 0.02 m/s for 12 s
 
     assert drive.along == pytest.approx(0.24, abs=0.01)
     assert drive.is_over(11.9)
 
 
-def test_a_good_drive_is_as_specified_in_all_rows() -> None:
+def test_a_good_drive_is_as_specified_in_all_rows():
     rows = list(judge(drive_along(circle(1.95)), []))
 
     assert [row.is_ok for row in rows] == [True, True, True]
@@ -90,19 +89,17 @@ def test_a_good_drive_is_as_specified_in_all_rows() -> None:
         ([(0.04 * n, -0.2 * (n > 2), 0.4, -5.0) for n in range(20)], "turn-sign"),
     ],
 )
-def test_the_cause_is_told_by_the_places(
-    states: list[tuple[float, float, float, float]], key: str
-) -> None:
+def test_the_cause_is_told_by_the_places(states, key):
     assert drive_cause(drive_along(states), []).key == key
 
 
-def test_what_the_robot_touches_is_the_first_cause() -> None:
+def test_what_the_robot_touches_is_the_first_cause():
     cause = drive_cause(drive_along(circle(2.4)), [Touch(3.0, "table1", 1.66, 0.5)])
 
     assert cause.text == "the robot touches table1 at (1.7, 0.5)"
 
 
-def test_commands_that_no_robot_could_follow_are_a_wrong_unit_or_gain() -> None:
+def test_commands_that_no_robot_could_follow_are_a_wrong_unit_or_gain():
     command = Twist()
     command.angular.z = 57.3
     commands = [CommandMessage(0.0, "/RosAria/cmd_vel", command)]

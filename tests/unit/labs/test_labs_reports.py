@@ -74,7 +74,7 @@ WORLD = {
 }
 
 
-def test_a_heading_says_whose_program_is_checked() -> None:
+def test_a_heading_says_whose_program_is_checked():
     assert heading("controller", ["python", "my c.py"])[1] == (
         "checking your program: python 'my c.py'"
     )
@@ -82,7 +82,7 @@ def test_a_heading_says_whose_program_is_checked() -> None:
     assert answer[1] == "checking the model answer of lcmtools: lcmtools"
 
 
-def test_a_row_that_is_not_ok_has_its_cause_the_last_words_and_findings_below_it() -> None:
+def test_a_row_that_is_not_ok_has_its_cause_the_last_words_and_findings_below_it():
     assert len(rows_of(OK)) == 1
     assert [row.strip() for row in rows_of(WRONG)[1:]] == [
         "-> wrong sign of speed",
@@ -92,7 +92,7 @@ def test_a_row_that_is_not_ok_has_its_cause_the_last_words_and_findings_below_it
     assert rows_of(FOLLOWS)[1].strip() == "-> follows from: drive at 0.1 m/s"
 
 
-def test_the_summary_ends_with_the_first_cause() -> None:
+def test_the_summary_ends_with_the_first_cause():
     assert summary([REPORT]) == [
         "1 of 3 are as the lab specifies",
         "first of all, controller: wrong sign of speed",
@@ -100,7 +100,7 @@ def test_the_summary_ends_with_the_first_cause() -> None:
     assert summary([Report("controller", (), [OK])]) == ["1 of 1 are as the lab specifies"]
 
 
-def test_json_says_whose_programs_and_what_follows_from_what() -> None:
+def test_json_says_whose_programs_and_what_follows_from_what():
     plain = record("husky", [REPORT])
     assert plain["programs"] == {
         "controller": {"command": "python 'my c.py'", "model_answer": False, "duration": 12.3}
@@ -115,7 +115,7 @@ def test_json_says_whose_programs_and_what_follows_from_what() -> None:
     assert unlisted("lab check", [written, [{"submission": "anna", **written}]]) == []
 
 
-def test_a_record_can_be_read_back() -> None:
+def test_a_record_can_be_read_back():
     plain = json.loads(json.dumps(record("husky", [REPORT])))
     (report,) = read_record(plain)
     assert report == replace(
@@ -123,13 +123,13 @@ def test_a_record_can_be_read_back() -> None:
     )
 
 
-def test_findings_about_a_program_that_is_right_are_a_note() -> None:
+def test_findings_about_a_program_that_is_right_are_a_note():
     rows = rows_of(replace(OK, findings=("2 nodes have the name /a",)))
     assert rows[0].split()[0] == "note"
     assert rows[1].strip() == "wtf: 2 nodes have the name /a"
 
 
-def test_junit_counts_a_cause_once_and_is_legal_xml() -> None:
+def test_junit_counts_a_cause_once_and_is_legal_xml():
     root = ET.fromstring(junit("husky", {"anna": [REPORT]}))  # noqa: S314 - our own
     (suite,) = root
     assert suite.attrib == {
@@ -141,7 +141,7 @@ def test_junit_counts_a_cause_once_and_is_legal_xml() -> None:
     assert "KeyError: 'a?'" in str(failure.text)
 
 
-def test_a_class_gets_a_table_with_each_submission_s_first_cause() -> None:
+def test_a_class_gets_a_table_with_each_submission_s_first_cause():
     row = CheckResult("can be run", "a program", "none", is_ok=False, hint="no program")
     missing = Report("", (), [row])
     rows = list(class_rows({"anna": [REPORT], "bo": [missing]}))
@@ -152,7 +152,7 @@ def test_a_class_gets_a_table_with_each_submission_s_first_cause() -> None:
     ]
 
 
-def test_the_picture_shows_steps_of_what_was_desired_and_measurements() -> None:
+def test_the_picture_shows_steps_of_what_was_desired_and_measurements():
     desired, measured = velocity_curves(OBSERVED, 0)
     assert desired == Curve("desired", [0.0, 1.0, 1.0, 3.9], [0.0, 0.0, 0.5, 0.5])
     assert (measured.label, measured.times[0], measured.values[0]) == ("measured", 0.0, 0.5)
@@ -162,7 +162,7 @@ def test_the_picture_shows_steps_of_what_was_desired_and_measurements() -> None:
     assert nothing == Curve("measured")
 
 
-def test_a_picture_has_a_row_for_each_program_that_was_observed(tmp_path: Path) -> None:
+def test_a_picture_has_a_row_for_each_program_that_was_observed(tmp_path):
     one, two = tmp_path / "one.png", tmp_path / "two.svg"
     draw_check(WORLD, [REPORT, REPORT, Report("evaluator", (), [])], one)
     with PIL.Image.open(one) as picture:
@@ -174,9 +174,7 @@ def test_a_picture_has_a_row_for_each_program_that_was_observed(tmp_path: Path) 
     draw_check(WORLD, [Report("", (), [])], one)  # nothing ran
 
 
-def test_a_check_goes_on_where_its_picture_cannot_be_drawn(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_check_goes_on_where_its_picture_cannot_be_drawn(tmp_path, monkeypatch, capsys):
     file = tmp_path / "a.png"
     assert (picture_file(None), picture_file(file)) == (None, file)
     with pytest.raises(UsageError, match=r"a is not a picture; use a suffix \(\.png"):
@@ -188,9 +186,7 @@ def test_a_check_goes_on_where_its_picture_cannot_be_drawn(
     assert line.endswith("checking without a picture")
 
 
-def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(
-    tmp_path: Path,
-) -> None:
+def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(tmp_path):
     dolly, source = LABS["dolly"], tmp_path / "class"
     (source / "anna" / "src").mkdir(parents=True)
     (source / "anna" / "src" / "my_Moving_Robot.py").write_text("pass")
@@ -221,9 +217,7 @@ def test_programs_of_a_submission_are_found_by_name_by_topics_or_by_the_command(
         (["evaluator_of_controller.py"], {"evaluator": "evaluator_of_controller.py"}),
     ],
 )
-def test_a_file_is_one_program_of_a_submission(
-    files: list[str], found: dict[str, str], tmp_path: Path
-) -> None:
+def test_a_file_is_one_program_of_a_submission(files, found, tmp_path):
     for name in files:
         (tmp_path / name).write_text("ControllerEvaluationStat evaluation_stat")
     programs = programs_of(LABS["husky"], tmp_path, {})
@@ -243,8 +237,8 @@ def test_a_file_is_one_program_of_a_submission(
     ],
 )
 def test_a_source_in_cpp_is_a_program_and_comes_before_what_is_built_from_it(
-    files: list[str], found: dict[str, str], tmp_path: Path
-) -> None:
+    files, found, tmp_path
+):
     for name in files:
         path = tmp_path / "anna" / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -256,19 +250,19 @@ def test_a_source_in_cpp_is_a_program_and_comes_before_what_is_built_from_it(
     assert {o: text.replace(f"{python} ", "python ") for o, text in programs.items()} == found
 
 
-def test_a_file_in_cpp_without_main_is_no_program(tmp_path: Path) -> None:
+def test_a_file_in_cpp_without_main_is_no_program(tmp_path):
     (tmp_path / "moving_robot.cpp").write_text("void publish_cmd_vel() {}")
     assert programs_of(LABS["dolly"], tmp_path, {}) == {}
 
 
-def test_a_command_for_a_class_that_is_wrong_is_refused_at_once(tmp_path: Path) -> None:
+def test_a_command_for_a_class_that_is_wrong_is_refused_at_once(tmp_path):
     (tmp_path / "anna.py").touch()
     check = ClassCheck(LABS["dolly"], {"teleop": "python {program}"}, (), None, 1)
     with pytest.raises(UsageError, match="--teleop is not a program of the lab dolly"):
         check.run(tmp_path, lambda *_: None)
 
 
-def test_a_folder_without_submissions_is_refused(tmp_path: Path) -> None:
+def test_a_folder_without_submissions_is_refused(tmp_path):
     with pytest.raises(UsageError, match="is empty"):
         submissions_in(tmp_path)
     with pytest.raises(UsageError, match="takes a folder"):
@@ -283,8 +277,8 @@ def test_a_folder_without_submissions_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_a_part_of_a_report_ends_one_check_and_not_that_of_the_class(
-    errors: list[str], reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    errors, reason, tmp_path, monkeypatch
+):
     (tmp_path / "anna.py").write_text("# /dolly/cmd_vel")
     monkeypatch.setattr(ClassCheck, "_lines", lambda *_: (['{"lab": "do'], errors))
     reports = ClassCheck(LABS["dolly"], {}, (), None, 1).run(tmp_path, lambda *_: None)

@@ -1,7 +1,6 @@
 """The mistake in a path follower's angle, on drives of a point that obeys at once. SI units."""
 
 import math
-from collections.abc import Callable, Sequence
 from itertools import cycle, pairwise
 
 import pytest
@@ -10,12 +9,6 @@ from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
 from lcmtools.labs.checks.path import DrivenPath, drive_cause
 from lcmtools.labs.checks.steering_formula import steering_cause
 from lcmtools.types.geometry_msgs import Twist
-
-Point = tuple[float, float]
-Angle = Callable[[float, float, float], float]
-"""The angle that a program turns by, of (dx, dy) to its goal and its heading."""
-Law = Callable[[float], tuple[float, float]]
-"""The forward speed and turn rate for an angle."""
 
 CORNERS = [(-1, 0), (0.3, 0), (1, 0.9), (0.7, 2), (-0.4, 2.7), (-1.5, 2.2), (-1.9, 1), (-2.8, 0.5),
            (-3.5, -0.6), (-3.1, -1.2), (-1.9, -1), (-1, 0)]  # fmt: skip
@@ -27,33 +20,27 @@ PATH = [
 """A path such as the lab's."""
 
 
-def right(dx: float, dy: float, heading: float) -> float:
+def right(dx, dy, heading):
     return math.remainder(math.atan2(dy, dx) - heading, math.tau)
 
 
-def proportional(angle: float) -> tuple[float, float]:
+def proportional(angle):
     return 0.4, 2.0 * angle
 
 
-def turn_then_drive(angle: float) -> tuple[float, float]:
+def turn_then_drive(angle):
     return (0.0, math.copysign(0.8, angle)) if abs(angle) > 0.2 else (0.4, angle)
 
 
-def slow_in_bends(angle: float) -> tuple[float, float]:
+def slow_in_bends(angle):
     return 0.4 * max(0.0, math.cos(angle)), max(-1.5, min(1.5, 2.5 * angle))
 
 
-def on_a_circle(angle: float) -> tuple[float, float]:
+def on_a_circle(angle):
     return 0.4, 2.0 * math.sin(angle)
 
 
-def run(
-    angle: Angle,
-    law: Law = proportional,
-    points: Sequence[Point] = PATH,
-    reach: float = 0.4,
-    delays: Sequence[int] = (0,),
-) -> tuple[list[TrueState], list[CommandMessage]]:
+def run(angle, law=proportional, points=PATH, reach=0.4, delays=(0,)):
     """Drive to one point after the other, as long as a check would look on.
 
     A command comes some periods after the state that it is of; ``delays`` has their numbers, which
@@ -83,7 +70,7 @@ def run(
     return [state for state, _ in drive.offsets], commands
 
 
-MISTAKES: list[tuple[Angle, str]] = [
+MISTAKES = [
     (lambda dx, dy, heading: math.remainder(math.atan(dy / dx) - heading, math.tau), "atan(dy/dx)"),
     (lambda dx, dy, heading: right(dy, dx, heading), "atan2(dx, dy)"),
     (lambda dx, dy, heading: right(dx, dy, math.sin(heading / 2)), "orientation.z in place"),
@@ -99,7 +86,7 @@ MISTAKES: list[tuple[Angle, str]] = [
 
 @pytest.mark.parametrize(("angle", "words"), MISTAKES, ids=[words for _, words in MISTAKES])
 @pytest.mark.parametrize("law", [proportional, on_a_circle])
-def test_a_mistake_in_the_angle_is_named(angle: Angle, words: str, law: Law) -> None:
+def test_a_mistake_in_the_angle_is_named(angle, words, law):
     cause = steering_cause(PATH, *run(angle, law))
 
     assert cause is not None
@@ -109,9 +96,7 @@ def test_a_mistake_in_the_angle_is_named(angle: Angle, words: str, law: Law) -> 
 
 @pytest.mark.parametrize(("angle", "words"), MISTAKES, ids=[words for _, words in MISTAKES])
 @pytest.mark.parametrize("delays", [(1,), (0, 0, 2, 1), (0, 3, 1, 0)], ids=str)
-def test_a_mistake_is_named_if_commands_arrive_late(
-    angle: Angle, words: str, delays: Sequence[int]
-) -> None:
+def test_a_mistake_is_named_if_commands_arrive_late(angle, words, delays):
     cause = steering_cause(PATH, *run(angle, delays=delays))
     assert cause is not None
     # which of two angles is in degrees may be unclear
@@ -120,14 +105,12 @@ def test_a_mistake_is_named_if_commands_arrive_late(
 
 @pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends, on_a_circle])
 @pytest.mark.parametrize("delays", [(1,), (0, 3, 1, 0)], ids=str)
-def test_a_right_angle_is_no_mistake_if_commands_arrive_late(
-    law: Law, delays: Sequence[int]
-) -> None:
+def test_a_right_angle_is_no_mistake_if_commands_arrive_late(law, delays):
     assert steering_cause(PATH, *run(right, law, delays=delays)) is None
 
 
 @pytest.mark.parametrize("law", [proportional, on_a_circle])
-def test_exchanged_points_are_named(law: Law) -> None:
+def test_exchanged_points_are_named(law):
     cause = steering_cause(PATH, *run(right, law, [(y, x) for x, y in PATH]))
 
     assert cause is not None
@@ -139,7 +122,7 @@ def test_exchanged_points_are_named(law: Law) -> None:
 )
 @pytest.mark.parametrize("reach", [0.15, 0.5, 2.0])
 @pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends, on_a_circle])
-def test_a_right_angle_is_no_mistake(law: Law, reach: float, points: Sequence[Point]) -> None:
+def test_a_right_angle_is_no_mistake(law, reach, points):
     assert steering_cause(PATH, *run(right, law, points, reach)) is None
 
 
@@ -158,24 +141,24 @@ def test_a_right_angle_is_no_mistake(law: Law, reach: float, points: Sequence[Po
     ],
     ids=["sign", "degrees", "straight", "hot", "weak", "left", "circle", "rest", "nan"],
 )
-def test_another_fault_is_no_mistake_in_the_angle(angle: Angle, law: Law) -> None:
+def test_another_fault_is_no_mistake_in_the_angle(angle, law):
     assert steering_cause(PATH, *run(angle, law)) is None
 
 
 @pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends])
 @pytest.mark.parametrize("number", [30, 52, 80, 109])
-def test_a_wrong_goal_is_no_mistake_in_the_angle(law: Law, number: int) -> None:
+def test_a_wrong_goal_is_no_mistake_in_the_angle(law, number):
     assert steering_cause(PATH, *run(right, law, [PATH[number]])) is None
 
 
-def test_a_second_of_commands_is_too_little_to_tell() -> None:
+def test_a_second_of_commands_is_too_little_to_tell():
     states, commands = run(MISTAKES[1][0])
 
     assert steering_cause(PATH, states, commands[:49]) is None
     assert steering_cause(PATH, states[:0], commands) is None
 
 
-def test_commands_after_the_drive_tell_nothing() -> None:
+def test_commands_after_the_drive_tell_nothing():
     states, commands = run(MISTAKES[0][0])
     late = [CommandMessage(states[-1].time + 1 + n / 50, "", Twist()) for n in range(3000)]
     for one in late:
@@ -188,7 +171,7 @@ def test_commands_after_the_drive_tell_nothing() -> None:
     assert cause is not None
 
 
-def test_the_cause_names_what_is_touched_and_the_mistake() -> None:
+def test_the_cause_names_what_is_touched_and_the_mistake():
     states, commands = run(MISTAKES[0][0])
     drive = DrivenPath(PATH)
     for state in states:

@@ -1,9 +1,7 @@
 """The causes of steps that a robot does not follow, from records of its motion and commands."""
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -12,19 +10,13 @@ from lcmtools.labs.checks.step_response import REST, Step, StepRun, judge
 from lcmtools.types.sensor_msgs import JointState
 
 
-def effort(left: float, right: float) -> JointState:
+def effort(left, right):
     message = JointState()
     message.effort = [left, right]
     return message
 
 
-def step_run(
-    step: Step,
-    reached: tuple[float, float],
-    message: Any,
-    count: int = 400,
-    touches: Sequence[Touch] = (),
-) -> StepRun:
+def step_run(step, reached, message, count=400, touches=()):
     motion = [TrueState(i / 50, 0.0, 0.0, *reached) for i in range(400)]
     commands = [CommandMessage(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
                 for i in range(count)]  # fmt: skip
@@ -56,16 +48,12 @@ FORWARD, TURN = Step(0.5, 0.0), Step(0.0, 0.3)
         (step_run(FORWARD, (0.7, 0.0), effort(1, 1)), "fast", "too fast"),
     ],
 )
-def test_the_cause_of_a_step_that_was_not_followed_is_named(
-    run: StepRun, key: str, words: str
-) -> None:
+def test_the_cause_of_a_step_that_was_not_followed_is_named(run, key, words):
     row = judge(run)
     assert (row.cause, words in row.hint) == (key, True), row
 
 
-def varied_run(
-    step: Step, speeds: Callable[[float], tuple[float, float]], force: Callable[[float], float]
-) -> StepRun:
+def varied_run(step, speeds, force):
     """A step of 8 s, with the velocity and the effort of both sides at each time [s]."""
     times = [i / 50 for i in range(400)]
     motion = [TrueState(t, 0.0, 0.0, *speeds(t)) for t in times]
@@ -75,7 +63,7 @@ def varied_run(
     return StepRun(step, motion, commands)
 
 
-def rising(time: float) -> float:
+def rising(time):
     return min(1.0, time / 4)
 
 
@@ -133,14 +121,12 @@ def rising(time: float) -> float:
         (varied_run(REST, lambda _: (1.0, 0.0), rising), "stop", "a desired velocity of 0"),
     ],
 )
-def test_the_cause_of_a_wrong_speed_is_told_by_the_efforts(
-    run: StepRun, key: str, words: str
-) -> None:
+def test_the_cause_of_a_wrong_speed_is_told_by_the_efforts(run, key, words):
     row = judge(run)
     assert (row.is_ok, row.cause, words in row.hint) == (False, key, True), row
 
 
-def test_a_robot_that_stands_is_watched_no_longer_than_its_effort_changes() -> None:
+def test_a_robot_that_stands_is_watched_no_longer_than_its_effort_changes():
     still = varied_run(FORWARD, lambda _: (0.0, 0.0), lambda _: 0.01)
     growing = varied_run(FORWARD, lambda _: (0.0, 0.0), lambda t: t / 1000)
     seen = [replace(run, motion=run.motion[:250], commands=run.commands[:250])
@@ -148,7 +134,7 @@ def test_a_robot_that_stands_is_watched_no_longer_than_its_effort_changes() -> N
     assert [run.is_over() for run in seen] == [True, False]
 
 
-def test_wheel_speeds_in_place_of_efforts_are_named() -> None:
+def test_wheel_speeds_in_place_of_efforts_are_named():
     message = JointState()
     message.velocity = [0.3, 0.3]
     run = step_run(FORWARD, (0.1, 0.0), message)

@@ -1,15 +1,11 @@
 """The check of a viewer, without a bus: a file that is written again and again."""
 
 import io
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import PIL.Image
 
-from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.viewer import check_viewer
 
 _FILE = io.BytesIO()
@@ -17,15 +13,15 @@ PIL.Image.new("I;16", (4, 2)).save(_FILE, "PNG")
 PICTURE = _FILE.getvalue()
 
 
-def bench(folder: Path, later: bytes) -> Any:
+def bench(folder, later):
     """Return a test bench that evaluates a condition once, and then changes the file."""
 
-    def wait(condition: Callable[[], object], _: float) -> bool:
+    def wait(condition, _):
         is_true = bool(condition())
         (folder / "picture.png").write_bytes(later)
         return is_true
 
-    def first(has_come: Callable[[], object], _: float, row: CheckResult) -> CheckResult:
+    def first(has_come, _, row):
         return replace(row, is_ok=wait(has_come, 0.0) or bool(has_come()))
 
     return SimpleNamespace(
@@ -37,16 +33,16 @@ def bench(folder: Path, later: bytes) -> Any:
     )
 
 
-def test_a_picture_counts_although_the_next_one_is_being_written(tmp_path: Path) -> None:
+def test_a_picture_counts_although_the_next_one_is_being_written(tmp_path):
     (tmp_path / "picture.png").write_bytes(PICTURE)
     result = next(check_viewer(bench(tmp_path, later=b""), ["viewer"]))
     assert (result.measured, result.is_ok) == ("4 x 2 pixels", True)
 
 
-def test_a_picture_that_comes_as_the_program_ends_counts(tmp_path: Path) -> None:
+def test_a_picture_that_comes_as_the_program_ends_counts(tmp_path):
     assert next(check_viewer(bench(tmp_path, later=PICTURE), ["viewer"])).is_ok
 
 
-def test_a_file_that_never_is_a_picture_is_reported(tmp_path: Path) -> None:
+def test_a_file_that_never_is_a_picture_is_reported(tmp_path):
     result = next(check_viewer(bench(tmp_path, later=b"nothing"), ["viewer"]))
     assert (result.measured, result.is_ok) == ("a file that is not a picture", False)

@@ -1,17 +1,13 @@
 """Fixtures of the tests of launch files: a text made into a plan."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 
 from lcmtools.launch.file import read_file
-from lcmtools.launch.plan import Plan
 from lcmtools.launch.reading import make_plan
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """The folder that launch files are in, and the current one: a workspace of its own."""
     package = tmp_path / "some_package"
     package.mkdir()
@@ -21,10 +17,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def plan(folder: Path) -> Callable[..., Plan]:
+def plan(folder):
     """``plan(text, robot="husky0")``: the plan of a file a.launch, with arguments."""
 
-    def make(text: str, namespace: str = "/", suffix: str = ".launch", **arguments: str) -> Plan:
+    def make(text, namespace="/", suffix=".launch", **arguments):
         path = folder / f"a{suffix}"
         path.write_text(text)
         environment = {"HOME": "/home/me", "ROBOT": "dolly"}
@@ -34,10 +30,10 @@ def plan(folder: Path) -> Callable[..., Plan]:
 
 
 @pytest.fixture
-def xml(plan: Callable[..., Plan]) -> Callable[..., Plan]:
+def xml(plan):
     """``xml(tags)``: the plan of what stands in a ``<launch>``."""
 
-    def make(tags: str, **options: str) -> Plan:
+    def make(tags, **options):
         return plan(f"<launch>\n{tags}\n</launch>", **options)
 
     return make

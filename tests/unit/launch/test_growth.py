@@ -1,30 +1,25 @@
 """Launch files of a few lines that would grow without end."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from fixtures.limits import cpu_limit
 from fixtures.says import raises_saying
 
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.launch.file import read_file
-from lcmtools.launch.plan import Plan
 from lcmtools.launch.reading import make_plan
 from lcmtools.launch.substitution import Known, substitute
 
-Make = Callable[..., Plan]
 DOUBLED = (f'<arg name="a{n + 1}" default="$(arg a{n})$(arg a{n})"/>' for n in range(60))
 
 
-def test_arguments_that_double_are_refused(xml: Make) -> None:
+def test_arguments_that_double_are_refused(xml):
     tags = '<arg name="a0" default="ten chars."/>\n' + "\n".join(DOUBLED)
     with cpu_limit(), raises_saying(InvalidFile, "a.launch:12: the values in", "10000 characters"):
         xml(tags)
 
 
 @pytest.mark.parametrize("inside", ["$(arg x)", "$(", "("])
-def test_a_long_text_is_read_once(inside: str) -> None:
+def test_a_long_text_is_read_once(inside):
     known = Known({"x": ""}, {}, "/", str)
     text = inside * (1_000_000 // len(inside))
     with cpu_limit():
@@ -35,7 +30,7 @@ def test_a_long_text_is_read_once(inside: str) -> None:
             assert substitute(text, known) == text.replace("$(arg x)", "")
 
 
-def test_includes_that_double_are_refused(folder: Path) -> None:
+def test_includes_that_double_are_refused(folder):
     for n in range(40):
         tag = f'<include file="{n + 1}.launch"/>'
         (folder / f"{n}.launch").write_text(f"<launch>\n{tag}{tag}\n</launch>")

@@ -1,7 +1,6 @@
 """Where launch files and nodes are found."""
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,17 +9,14 @@ from fixtures.says import assert_says, raises_saying
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.launch.executables import Executable, find_executable, find_typed
 from lcmtools.launch.packages import LABS, find_files, package_folder
-from lcmtools.launch.plan import Plan
 from lcmtools.packages.programs import startable
-
-Make = Callable[..., Path]
 
 
 @pytest.fixture
-def workspace(folder: Path) -> Make:
+def workspace(folder):
     """``workspace("pkg", "launch/a.launch")``: a package in this folder, with these files."""
 
-    def make(name: str, *files: str) -> Path:
+    def make(name, *files):
         package = folder / name
         for file in files:
             path = package / file
@@ -46,16 +42,12 @@ def workspace(folder: Path) -> Make:
         (["gazebo_ros"], "gazebo_ros/launch/empty_world.launch"),
     ],
 )
-def test_labs_files_are_found_by_name_and_by_package(
-    folder: Path, words: list[str], path: str
-) -> None:
+def test_labs_files_are_found_by_name_and_by_package(folder, words, path):
     assert folder == Path.cwd()
     assert find_files(words) == [LABS / path]
 
 
-def test_packages_of_ros_are_found_in_ros_package_path(
-    folder: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_packages_of_ros_are_found_in_ros_package_path(folder, tmp_path_factory, monkeypatch):
     first, second = tmp_path_factory.mktemp("first"), tmp_path_factory.mktemp("second")
     files = {
         first / "deep/er/still/arm": "arm",
@@ -83,7 +75,7 @@ def test_packages_of_ros_are_found_in_ros_package_path(
         package_folder("arm")
 
 
-def test_own_package_and_own_file_come_before_the_labs(workspace: Make, folder: Path) -> None:
+def test_own_package_and_own_file_come_before_the_labs(workspace, folder):
     package = workspace("air_lab0", "launch/simple_controller.launch", "deep/er/b.yaml")
     assert package_folder("air_lab0") == package
     assert find_files(["air_lab0", "simple_controller.launch"]) == [
@@ -94,7 +86,7 @@ def test_own_package_and_own_file_come_before_the_labs(workspace: Make, folder: 
     assert find_files(["simple_controller.launch"]) == [Path("simple_controller.launch")]
 
 
-def test_file_here_is_found_without_its_suffix_and_in_the_folder_launch(folder: Path) -> None:
+def test_file_here_is_found_without_its_suffix_and_in_the_folder_launch(folder):
     (folder / "launch").mkdir()
     for name in ("a.yaml", "launch/b.launch"):
         (folder / name).touch()
@@ -104,9 +96,7 @@ def test_file_here_is_found_without_its_suffix_and_in_the_folder_launch(folder: 
         find_files(["bb.launch"])
 
 
-def test_package_is_found_from_within_and_below_src(
-    workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_package_is_found_from_within_and_below_src(workspace, folder, monkeypatch):
     package = workspace("src/mine", "launch/a.launch")
     assert package_folder("mine") == package
     monkeypatch.chdir(package / "launch")
@@ -114,11 +104,11 @@ def test_package_is_found_from_within_and_below_src(
     assert folder in package.parents
 
 
-def test_installed_package_is_a_package() -> None:
+def test_installed_package_is_a_package():
     assert package_folder("lcmtools") == LABS.parents[1]
 
 
-def test_several_files_are_taken_together(folder: Path) -> None:
+def test_several_files_are_taken_together(folder):
     (folder / "a.yaml").touch()
     (folder / "b.yaml").touch()
     assert find_files(["a.yaml", "b.yaml"]) == [Path("a.yaml"), Path("b.yaml")]
@@ -136,7 +126,7 @@ def test_several_files_are_taken_together(folder: Path) -> None:
         (["a.yaml", "b.yaml"], "there is no launch file b.yaml"),
     ],
 )
-def test_what_is_not_there_is_told(folder: Path, words: list[str], reason: str) -> None:
+def test_what_is_not_there_is_told(folder, words, reason):
     (folder / "here").mkdir()
     (folder / "a.yaml").touch()
     with pytest.raises(UsageError) as caught:
@@ -144,7 +134,7 @@ def test_what_is_not_there_is_told(folder: Path, words: list[str], reason: str) 
     assert reason in str(caught.value)
 
 
-def test_package_with_several_launch_files_names_them(workspace: Make) -> None:
+def test_package_with_several_launch_files_names_them(workspace):
     workspace("mine", "launch/a.launch", "launch/b.launch")
     with pytest.raises(InvalidFile, match=r"it has a.launch, b.launch"):
         find_files(["mine"])
@@ -161,16 +151,14 @@ def test_package_with_several_launch_files_names_them(workspace: Make) -> None:
         ("morse", "morse", "sim"),
     ],
 )
-def test_nodes_of_the_labs_are_lcmtools_own(
-    folder: Path, package: str, name: str, node: str
-) -> None:
+def test_nodes_of_the_labs_are_lcmtools_own(folder, package, name, node):
     assert find_executable(package, name, folder).command == ("lcmtools", "run", *node.split())
 
 
 @pytest.mark.parametrize(
     "tag", ["pkg='air_lab0' type='simple_controller'", "run='simple_controller'"]
 )
-def test_the_note_on_a_model_answer_is_written_once(plan: Callable[..., Plan], tag: str) -> None:
+def test_the_note_on_a_model_answer_is_written_once(plan, tag):
     made = plan(f"<launch><node name='a' {tag}/><node name='b' {tag}/></launch>")
     (note,) = made.notes
     assert_says(note, "a.launch:1", "the lab's model answer")
@@ -179,8 +167,8 @@ def test_the_note_on_a_model_answer_is_written_once(plan: Callable[..., Plan], t
 
 
 def test_nodes_of_the_workspace_are_found_from_here_and_from_the_files_folder(
-    workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    workspace, folder, monkeypatch
+):
     launch = workspace("air_lab0", "launch/a.launch") / "launch"
     expected = ("lcmtools", "run", "air_lab0", "drive")
     assert find_executable("air_lab0", "drive.py", folder) == Executable(expected)
@@ -191,8 +179,8 @@ def test_nodes_of_the_workspace_are_found_from_here_and_from_the_files_folder(
 
 
 def test_a_package_of_the_workspace_is_never_replaced_by_lcmtools_own(
-    workspace: Make, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    workspace, folder, monkeypatch
+):
     package = workspace("air_lab0", "air_lab0/moving_robot.py", "launch/robot.yaml")
     with raises_saying(UsageError, "'simple_controller'", "air_lab0"):
         find_executable("air_lab0", "simple_controller", folder)
@@ -207,8 +195,8 @@ def test_a_package_of_the_workspace_is_never_replaced_by_lcmtools_own(
 
 
 def test_lcmtools_own_node_keeps_its_meaning_where_the_workspace_has_one_of_that_name(
-    workspace: Make, folder: Path
-) -> None:
+    workspace, folder
+):
     project = workspace("mine", "mine/sim.py") / "pyproject.toml"
     project.write_text(project.read_text().replace("drive", "sim"))
     assert find_typed(["sim"], folder).command == ("lcmtools", "run", "sim")
@@ -217,7 +205,7 @@ def test_lcmtools_own_node_keeps_its_meaning_where_the_workspace_has_one_of_that
     assert find_executable("gazebo_ros", "gzserver", folder).command == own
 
 
-def test_executable_file_of_a_package_is_its_node(workspace: Make) -> None:
+def test_executable_file_of_a_package_is_its_node(workspace):
     script = workspace("mine", "scripts/die.py") / "scripts" / "die.py"
     script.write_text("#!/bin/sh\n")
     here = Path.cwd()
@@ -228,7 +216,7 @@ def test_executable_file_of_a_package_is_its_node(workspace: Make) -> None:
         assert find_executable("mine", name, here) == Executable((str(script),))
 
 
-def test_what_is_shown_as_lcmtools_is_the_one_that_runs_now() -> None:
+def test_what_is_shown_as_lcmtools_is_the_one_that_runs_now():
     program, *rest = startable(["nice", "lcmtools", "run", "talker"])[1:]
     assert rest == ["run", "talker"]
     assert os.access(program, os.X_OK)

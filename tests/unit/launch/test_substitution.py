@@ -37,11 +37,11 @@ KNOWN = Known(
         ("$(eval 1 / 4)", "0.25"),
     ],
 )
-def test_what_is_put_in(text: str, result: str) -> None:
+def test_what_is_put_in(text, result):
     assert substitute(text, KNOWN) == result
 
 
-def test_anonymous_name_is_the_same_in_one_launch_and_differs_between_names() -> None:
+def test_anonymous_name_is_the_same_in_one_launch_and_differs_between_names():
     first, again, other = (substitute(f"$(anon {name})", KNOWN) for name in ("a", "a", "b"))
     assert first == again
     assert first.startswith("a_")
@@ -74,7 +74,7 @@ def test_anonymous_name_is_the_same_in_one_launch_and_differs_between_names() ->
         (f"$(eval {'-' * 100}1)", "nested more than 40 levels deep"),
     ],
 )
-def test_what_cannot_be_put_in_is_told(text: str, reason: str) -> None:
+def test_what_cannot_be_put_in_is_told(text, reason):
     with pytest.raises(UsageError) as caught:
         substitute(text, KNOWN)
     assert reason in str(caught.value)

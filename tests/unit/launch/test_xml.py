@@ -1,25 +1,21 @@
 """ROS 1's XML launch files: what each tag means, and each mistake with its line."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import InvalidFile, UsageError
-from lcmtools.launch.plan import Output, Plan
+from lcmtools.launch.plan import Output
 
-Make = Callable[..., Plan]
 TALKER = '<node pkg="lcmtools" type="talker" name="t"/>'
 
 
-def words(plan: Plan) -> tuple[str, ...]:
+def words(plan):
     """The only node's command line behind its program."""
     (node,) = plan.nodes
     return node.command[3:]
 
 
-def test_labs_file_becomes_one_node_with_its_remap(xml: Make) -> None:
+def test_labs_file_becomes_one_node_with_its_remap(xml):
     plan = xml(
         """<!-- a node of the package air_lab0 -->
         <node name="husky_simple_controller" pkg="air_lab0"
@@ -39,7 +35,7 @@ def test_labs_file_becomes_one_node_with_its_remap(xml: Make) -> None:
     assert_says(note, "a.launch:3", "lcmtools' own simple_controller")
 
 
-def test_attributes_of_a_node_are_read(xml: Make) -> None:
+def test_attributes_of_a_node_are_read(xml):
     tag = TALKER.replace(
         "/>",
         ' ns="x" args="--rate 5 \'a b\'" respawn="true" respawn_delay="2.5" output="screen"'
@@ -55,7 +51,7 @@ def test_attributes_of_a_node_are_read(xml: Make) -> None:
     assert not node.is_required
 
 
-def test_namespaces_go_into_each_other_and_a_full_one_stands_alone(xml: Make) -> None:
+def test_namespaces_go_into_each_other_and_a_full_one_stands_alone(xml):
     plan = xml(
         f"""<group ns="a"><group ns="b">{TALKER}</group>
         <node pkg="lcmtools" type="talker" name="t" ns="/c"/></group>""",
@@ -64,7 +60,7 @@ def test_namespaces_go_into_each_other_and_a_full_one_stands_alone(xml: Make) ->
     assert [node.name for node in plan.nodes] == ["/husky0/a/b/t", "/c/t"]
 
 
-def test_remaps_and_variables_hold_for_what_is_below_and_end_with_their_group(xml: Make) -> None:
+def test_remaps_and_variables_hold_for_what_is_below_and_end_with_their_group(xml):
     plan = xml(
         """<remap from="a" to="b"/>
         <group><remap from="a" to="c"/><env name="X" value="1"/>
@@ -77,7 +73,7 @@ def test_remaps_and_variables_hold_for_what_is_below_and_end_with_their_group(xm
     assert (first.environment, second.environment) == ({"X": "1"}, {})
 
 
-def test_parameters_go_to_the_nodes_that_would_find_them(xml: Make) -> None:
+def test_parameters_go_to_the_nodes_that_would_find_them(xml):
     plan = xml(
         """<param name="use_sim_time" value="true"/>
         <param name="/husky0/t/kp" value="3"/>
@@ -100,7 +96,7 @@ def test_parameters_go_to_the_nodes_that_would_find_them(xml: Make) -> None:
     assert second == {"_use_sim_time:=true", "_below:=1"}
 
 
-def test_nearer_parameter_wins(xml: Make) -> None:
+def test_nearer_parameter_wins(xml):
     plan = xml(
         """<param name="rate" value="1"/><param name="a/rate" value="2"/>
         <group ns="a"><node pkg="lcmtools" type="talker" name="t"/></group>"""
@@ -108,7 +104,7 @@ def test_nearer_parameter_wins(xml: Make) -> None:
     assert words(plan)[2:] == ("_rate:=2",)
 
 
-def test_type_of_a_parameter_is_kept_as_text_or_checked(xml: Make) -> None:
+def test_type_of_a_parameter_is_kept_as_text_or_checked(xml):
     node = TALKER.replace("/>", ">{}</node>")
     plan = xml(node.format('<param name="a" type="str" value="2"/>'))
     assert words(plan)[2:] == ('_a:="2"',)
@@ -116,7 +112,7 @@ def test_type_of_a_parameter_is_kept_as_text_or_checked(xml: Make) -> None:
         xml(node.format('<param name="a" type="int" value="2.5"/>'))
 
 
-def test_rosparam_reads_files_and_puts_arguments_in(xml: Make, folder: Path) -> None:
+def test_rosparam_reads_files_and_puts_arguments_in(xml, folder):
     (folder / "gains.yaml").write_text("kp: $(arg p)\n")
     plan = xml(
         TALKER.replace(
@@ -128,9 +124,7 @@ def test_rosparam_reads_files_and_puts_arguments_in(xml: Make, folder: Path) -> 
     assert words(plan)[2:] == ("_g/kp:=7",)
 
 
-def test_textfile_is_a_parameter_and_a_command_is_left_out_with_a_note(
-    xml: Make, folder: Path
-) -> None:
+def test_textfile_is_a_parameter_and_a_command_is_left_out_with_a_note(xml, folder):
     (folder / "robot.urdf").write_text("<robot/>\n")
     plan = xml(
         f"""<param name="urdf" textfile="robot.urdf"/>
@@ -141,7 +135,7 @@ def test_textfile_is_a_parameter_and_a_command_is_left_out_with_a_note(
     assert_says(note, "a.launch:3", "command", "left out")
 
 
-def test_if_and_unless_decide(xml: Make) -> None:
+def test_if_and_unless_decide(xml):
     tags = "".join(
         f'<group {kind}="{text}"><node pkg="lcmtools" type="talker" name="{kind}_{i}"/></group>'
         for kind in ("if", "unless")
@@ -153,7 +147,7 @@ def test_if_and_unless_decide(xml: Make) -> None:
     ]
 
 
-def test_arguments_have_defaults_values_and_what_is_given(xml: Make) -> None:
+def test_arguments_have_defaults_values_and_what_is_given(xml):
     tags = f"""<arg name="robot" default="husky0"/><arg name="full" value="/$(arg robot)"/>
     <group ns="$(arg full)">{TALKER}</group>"""
     assert xml(tags).nodes[0].name == "/husky0/t"
@@ -164,7 +158,7 @@ def test_arguments_have_defaults_values_and_what_is_given(xml: Make) -> None:
         xml(tags, robto="x")
 
 
-def test_include_passes_arguments_namespace_and_remaps(xml: Make, folder: Path) -> None:
+def test_include_passes_arguments_namespace_and_remaps(xml, folder):
     (folder / "sub").mkdir()
     (folder / "sub" / "b.launch").write_text(
         '<launch><arg name="n"/><arg name="m" default="5"/><include file="c.yaml"/>'
@@ -182,9 +176,7 @@ def test_include_passes_arguments_namespace_and_remaps(xml: Make, folder: Path) 
     assert plan.files == tuple(str(folder / n) for n in ("a.launch", "sub/b.launch", "sub/c.yaml"))
 
 
-def test_argument_that_an_include_lacks_is_told_where_it_is_declared(
-    xml: Make, folder: Path
-) -> None:
+def test_argument_that_an_include_lacks_is_told_where_it_is_declared(xml, folder):
     (folder / "b.launch").write_text('<launch>\n<arg name="n" doc="how many"/></launch>')
     with pytest.raises(InvalidFile) as caught:
         xml('<include file="b.launch"/>')
@@ -193,7 +185,7 @@ def test_argument_that_an_include_lacks_is_told_where_it_is_declared(
         xml('<include file="b.launch"><arg name="m" value="1"/></include>')
 
 
-def test_include_with_all_arguments_passes_them(xml: Make, folder: Path) -> None:
+def test_include_with_all_arguments_passes_them(xml, folder):
     (folder / "b.launch").write_text(
         '<launch><arg name="m" default="5"/><arg name="k" value="3"/>'
         '<node pkg="lcmtools" type="talker" name="t$(arg m)$(arg k)"/></launch>'
@@ -205,7 +197,7 @@ def test_include_with_all_arguments_passes_them(xml: Make, folder: Path) -> None
     assert plan.nodes[0].name == "/t93"
 
 
-def test_labs_world_is_included_by_its_package(xml: Make) -> None:
+def test_labs_world_is_included_by_its_package(xml):
     plan = xml(
         """<include file="$(find gazebo_ros)/launch/empty_world.launch">
         <arg name="world_name" value="husky"/><arg name="paused" value="true"/></include>"""
@@ -215,7 +207,7 @@ def test_labs_world_is_included_by_its_package(xml: Make) -> None:
     )
 
 
-def test_what_means_nothing_is_noted_with_its_line(xml: Make) -> None:
+def test_what_means_nothing_is_noted_with_its_line(xml):
     plan = xml(
         """<machine name="m" address="far"/>
         <nodee/>
@@ -230,7 +222,7 @@ def test_what_means_nothing_is_noted_with_its_line(xml: Make) -> None:
     assert len(plan.nodes) == 1
 
 
-def test_parameters_that_no_node_gets_are_named(xml: Make) -> None:
+def test_parameters_that_no_node_gets_are_named(xml):
     plan = xml(
         f"""<rosparam>
         t: {{rate: 1}}
@@ -243,7 +235,7 @@ def test_parameters_that_no_node_gets_are_named(xml: Make) -> None:
     assert_says(note, "no node", "/ctl/a, /ctl/b, /ctl/c, /ctl/d/e, /ctl/f and 1 more")
 
 
-def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: Make) -> None:
+def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml):
     plan = xml(TALKER.replace("/>", ' args="-- x"/>'))
     assert words(plan) == ("__ns:=/", "__name:=t", "--", "x")
 
@@ -295,14 +287,14 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml: M
         ('<env name="A"/>', 2, "'value' is missing in env"),
     ],
 )
-def test_mistake_is_named_with_its_line(xml: Make, tags: str, line: int, reason: str) -> None:
+def test_mistake_is_named_with_its_line(xml, tags, line, reason):
     with pytest.raises(InvalidFile) as caught:
         xml(tags)
     assert str(caught.value).startswith(f"a.launch:{line}: ")
     assert reason in str(caught.value)
 
 
-def test_file_that_includes_itself_in_many_groups_is_refused(xml: Make) -> None:
+def test_file_that_includes_itself_in_many_groups_is_refused(xml):
     inside = '<include file="a.launch"/>'
     with raises_saying(InvalidFile, "a.launch", "nested too deeply"):
         xml("<group>" * 45 + inside + "</group>" * 45)
@@ -339,7 +331,7 @@ BAD = "not XML: not well-formed (invalid token)"
         ('<?xml version="1.0" encoding="klingon"?><launch/>', "a.launch:1: not XML: unknown enc"),
     ],
 )
-def test_text_that_is_no_launch_file_is_refused(plan: Make, text: str, error: str) -> None:
+def test_text_that_is_no_launch_file_is_refused(plan, text, error):
     with pytest.raises(InvalidFile) as caught:
         plan(text)
     assert str(caught.value).startswith(error)

@@ -1,15 +1,10 @@
 """YAML launch files: the same meaning as XML's, strict keys, and each mistake with its line."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from fixtures.says import raises_saying
 
 from lcmtools.errors import InvalidFile
-from lcmtools.launch.plan import Output, Plan
-
-Make = Callable[..., Plan]
+from lcmtools.launch.plan import Output
 
 WHOLE = """\
 args:
@@ -45,16 +40,16 @@ groups:
 
 
 @pytest.fixture
-def yaml(plan: Make) -> Make:
+def yaml(plan):
     """``yaml(text)``: the plan of a file a.yaml."""
 
-    def make(text: str, **options: str) -> Plan:
+    def make(text, **options):
         return plan(text, suffix=".yaml", **options)
 
     return make
 
 
-def test_whole_file_means_what_it_says(yaml: Make) -> None:
+def test_whole_file_means_what_it_says(yaml):
     driver, morse, talker, cat = yaml(WHOLE).nodes
     assert driver.name == "/husky0/driver"
     assert driver.command == (
@@ -73,12 +68,12 @@ def test_whole_file_means_what_it_says(yaml: Make) -> None:
     assert cat.takes_terminal
 
 
-def test_arguments_and_namespace_are_given(yaml: Make) -> None:
+def test_arguments_and_namespace_are_given(yaml):
     driver, _ = yaml(WHOLE, namespace="/lab", robot="husky1").nodes
     assert driver.name == "/lab/husky1/driver"
 
 
-def test_keys_count_for_the_others_wherever_they_stand(yaml: Make) -> None:
+def test_keys_count_for_the_others_wherever_they_stand(yaml):
     (node,) = yaml("nodes: [{run: talker}]\nremap: {a: $(arg b)}\nargs: {b: c}\n").nodes
     assert node.command[-1] == "a:=c"
 
@@ -86,19 +81,19 @@ def test_keys_count_for_the_others_wherever_they_stand(yaml: Make) -> None:
 @pytest.mark.parametrize(
     "text", ["include: b.yaml", "include: [b.yaml]", "include:\n  - {file: b.yaml, args: {n: t}}"]
 )
-def test_include_takes_a_file_or_a_list(yaml: Make, folder: Path, text: str) -> None:
+def test_include_takes_a_file_or_a_list(yaml, folder, text):
     (folder / "b.yaml").write_text("args: {n: t}\nnodes: [{run: talker, name: $(arg n)}]\n")
     assert [node.name for node in yaml(text).nodes] == ["/t"]
 
 
-def test_script_is_run_by_python_and_gets_its_names(yaml: Make, folder: Path) -> None:
+def test_script_is_run_by_python_and_gets_its_names(yaml, folder):
     (folder / "node.py").touch()
     (node,) = yaml("nodes: [{run: ./node.py, ns: a}]").nodes
     assert node.name == "/a/node"
     assert node.command[3:] == (f"{folder}/node.py", "__ns:=/a", "__name:=node")
 
 
-def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> None:
+def test_program_that_is_executable_is_run_itself(yaml, folder):
     program = folder / "node"
     program.write_text("#!/bin/sh\n")
     text = "nodes: [{run: ./node}]"
@@ -154,30 +149,30 @@ def test_program_that_is_executable_is_run_itself(yaml: Make, folder: Path) -> N
         ("param: &a {b: *a}", 1, "unknown alias '*a'"),
     ],
 )
-def test_mistake_is_named_with_its_line(yaml: Make, text: str, line: int, reason: str) -> None:
+def test_mistake_is_named_with_its_line(yaml, text, line, reason):
     with pytest.raises(InvalidFile) as caught:
         yaml(text)
     assert str(caught.value).startswith(f"a.yaml:{line}: "), caught.value
     assert reason in str(caught.value)
 
 
-def test_parameter_that_is_empty_is_given_and_not_left_out(yaml: Make) -> None:
+def test_parameter_that_is_empty_is_given_and_not_left_out(yaml):
     (node,) = yaml("nodes: [{run: talker, param: {a: '', b: }}]").nodes
     assert node.command[-2:] == ("_a:=''", "_b:=''")
 
 
-def test_aliases_cannot_fill_the_memory(yaml: Make) -> None:
+def test_aliases_cannot_fill_the_memory(yaml):
     rows = ["param:", "  a0: &a0 {x: 1, y: 2}"]
     rows += [f"  a{i}: &a{i} {{x: *a{i - 1}, y: *a{i - 1}}}" for i in range(1, 40)]
     with raises_saying(InvalidFile, "aliases", "100000"):
         yaml("\n".join(rows))
 
 
-def test_deep_nesting_is_refused_and_no_crash(yaml: Make) -> None:
+def test_deep_nesting_is_refused_and_no_crash(yaml):
     with raises_saying(InvalidFile, "nested", "100"):
         yaml("[" * 5000)
 
 
-def test_ros_2_launch_program_is_told_from_yaml(plan: Make) -> None:
+def test_ros_2_launch_program_is_told_from_yaml(plan):
     with pytest.raises(InvalidFile, match=r"a\.launch\.py is a program"):
         plan("def generate_launch_description(): pass", suffix=".launch.py")

@@ -2,23 +2,22 @@
 
 import math
 import re
-from collections.abc import Iterator, Sequence
 from itertools import count
 
 import pytest
 
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.fields import Field, fields, visible_fields
+from lcmtools.messages.fields import fields, visible_fields
 from lcmtools.messages.message_template import draft_from_values, drafts_from_lines
 from lcmtools.messages.path import Path, select
 from lcmtools.messages.plain import plain_value, to_json
-from lcmtools.messages.registry import Message, message_class, type_names
+from lcmtools.messages.registry import message_class, type_names
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.text import FREE, format_message
 
 _DEEPEST = 3
 _FLOATS = [math.nan, math.inf, -math.inf, -0.0, 1e-7, 0.1, 1e16, -1.0]
-AWKWARD: dict[str, Sequence[object]] = {
+AWKWARD = {
     "bool": [True, False],
     "float32": [*_FLOATS, 1e-45, 1.1754942e-38, 3.4028234663852886e38],
     "float64": [*_FLOATS, 5e-324, 2.225073858507201e-308, 1.7976931348623157e308, 2.0**53 + 2],
@@ -38,7 +37,7 @@ AWKWARD: dict[str, Sequence[object]] = {
 }
 
 
-def awkward_message(cls: type[Message], numbers: Iterator[int], depth: int = 0) -> Message:
+def awkward_message(cls, numbers, depth=0):
     """A message of awkward values, a different one in each field."""
     message = cls()
     lengths = {field.name: next(numbers) % 3 for field in fields(cls) if field.is_length}
@@ -50,7 +49,7 @@ def awkward_message(cls: type[Message], numbers: Iterator[int], depth: int = 0) 
     return message
 
 
-def _value(field: Field, sizes: list[int], numbers: Iterator[int], depth: int) -> object:
+def _value(field, sizes, numbers, depth):
     if sizes and field.is_bytes and len(sizes) == 1:
         return bytes(next(numbers) * 85 % 256 for _ in range(sizes[0]))
     if sizes:
@@ -62,7 +61,7 @@ def _value(field: Field, sizes: list[int], numbers: Iterator[int], depth: int) -
 
 
 @pytest.mark.parametrize("name", type_names())
-def test_all_that_echo_prints_is_taken_back_to_the_bit(name: str) -> None:
+def test_all_that_echo_prints_is_taken_back_to_the_bit(name):
     cls = message_class(name)
     for start in range(0, 77, 7):
         payload = encode(awkward_message(cls, count(start)))
@@ -76,11 +75,11 @@ def test_all_that_echo_prints_is_taken_back_to_the_bit(name: str) -> None:
 
 
 @pytest.mark.parametrize("text", AWKWARD["string"])
-def test_texts_survive_in_a_file_of_several_messages_and_topics(text: str) -> None:
+def test_texts_survive_in_a_file_of_several_messages_and_topics(text):
     cls = message_class("diagnostic_msgs/DiagnosticStatus")
     message = cls()
-    message.name, message.values = text, [message_class("diagnostic_msgs/KeyValue")()]  # type: ignore[attr-defined] # of this type
-    message.values[0].key = text  # type: ignore[attr-defined] # likewise
+    message.name, message.values = text, [message_class("diagnostic_msgs/KeyValue")()]
+    message.values[0].key = text
     document = "".join(f"# /topic{n}\n{format_message(message)}\n---\n" for n in range(2))
     drafts = drafts_from_lines(cls, document.splitlines())
     assert [draft.payload(1) for draft in drafts if draft] == [encode(message)] * 2

@@ -1,8 +1,6 @@
 """Payloads to messages: nothing believed that cannot be."""
 
 import struct
-from collections.abc import Callable
-from types import ModuleType
 
 import pytest
 from fixtures.says import raises_saying
@@ -13,14 +11,14 @@ from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, std_srvs
 from lcmtools.types.tf2_msgs import TFMessage
 
 
-def joint_state() -> sensor_msgs.JointState:
+def joint_state():
     message = sensor_msgs.JointState()
     message.name = ["left", "right"]
     message.position = [1.0, 2.0]
     return message
 
 
-def test_decoded_arrays_are_as_lcm_gen_gives_them() -> None:
+def test_decoded_arrays_are_as_lcm_gen_gives_them():
     payload = encode(joint_state())
     message = decode(sensor_msgs.JointState, payload)
     assert message.name == ["left", "right"]
@@ -29,29 +27,29 @@ def test_decoded_arrays_are_as_lcm_gen_gives_them() -> None:
 
 
 @pytest.mark.parametrize("kind", [bytes, bytearray, memoryview])
-def test_a_payload_may_be_anything_bytes_like(kind: Callable[[bytes], bytes]) -> None:
+def test_a_payload_may_be_anything_bytes_like(kind):
     assert decode(sensor_msgs.JointState, kind(encode(joint_state()))).name == ["left", "right"]
 
 
-def test_bytes_after_the_end_are_ignored() -> None:
+def test_bytes_after_the_end_are_ignored():
     assert decode(sensor_msgs.JointState, encode(joint_state()) + b"more").name[0] == "left"
 
 
-def test_what_is_not_utf_8_becomes_a_replacement_character() -> None:
+def test_what_is_not_utf_8_becomes_a_replacement_character():
     payload = encode(joint_state()).replace(b"left", b"l\xfft\xfe")
     assert decode(sensor_msgs.JointState, payload).name[0] == "l\ufffdt\ufffd"
 
 
-def test_a_string_without_even_a_nul_is_empty() -> None:
+def test_a_string_without_even_a_nul_is_empty():
     payload = std_msgs.String().encode()[:8] + bytes(4)
     assert decode(std_msgs.String, payload).data == ""
 
 
-def string_payload(text: bytes, length: int) -> bytes:
+def string_payload(text, length):
     return std_msgs.String().encode()[:8] + struct.pack(">I", length) + text
 
 
-def image_payload(length: int) -> bytes:
+def image_payload(length):
     payload = encode(sensor_msgs.Image())
     return payload[:8] + struct.pack(">i", length) + payload[12:]
 
@@ -120,13 +118,13 @@ def image_payload(length: int) -> bytes:
         ),
     ],
 )
-def test_a_broken_payload_is_refused(cls: type, payload: bytes, line: str) -> None:
+def test_a_broken_payload_is_refused(cls, payload, line):
     with pytest.raises(DecodeError) as caught:
         decode(cls, payload)
     assert str(caught.value) == line
 
 
-def test_a_few_bytes_cannot_ask_for_millions_of_empty_messages(odd: ModuleType) -> None:
+def test_a_few_bytes_cannot_ask_for_millions_of_empty_messages(odd):
     head = encode(odd.Many())[:8]
     assert len(decode(odd.Many, head + struct.pack(">i", 1000)).items) == 1000
     with raises_saying(DecodeError, "2147483647 elements", "odd/Many"):
@@ -135,7 +133,7 @@ def test_a_few_bytes_cannot_ask_for_millions_of_empty_messages(odd: ModuleType) 
         decode(odd.Many, head + b"\x80\x00\x00\x00")
 
 
-def test_a_few_bytes_cannot_ask_for_millions_of_empty_rows(odd: ModuleType) -> None:
+def test_a_few_bytes_cannot_ask_for_millions_of_empty_rows(odd):
     head = encode(odd.Flat())[:8]
     with raises_saying(DecodeError, "2147483647 elements", "odd/Flat"):
         decode(odd.Flat, head + struct.pack(">ii", 0x7FFFFFFF, 0))
@@ -144,13 +142,13 @@ def test_a_few_bytes_cannot_ask_for_millions_of_empty_rows(odd: ModuleType) -> N
             decode(odd.Flat, head + struct.pack(">ii", *sizes))
 
 
-def test_a_payload_nested_too_deeply_is_refused(odd: ModuleType) -> None:
+def test_a_payload_nested_too_deeply_is_refused(odd):
     payload = encode(odd.Tree())[:8] + struct.pack(">ih", 1, 0) * 100_000
     with raises_saying(DecodeError, "odd/Tree: ", "nested", "100"):
         decode(odd.Tree, payload)
 
 
-def test_services_have_messages_like_any_other() -> None:
+def test_services_have_messages_like_any_other():
     answer = std_srvs.Trigger.Response()
     answer.success, answer.message = True, "done"
     assert decode(std_srvs.Trigger_Response, encode(answer)).message == "done"

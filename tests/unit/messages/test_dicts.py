@@ -2,8 +2,6 @@
 
 import json
 import math
-from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,14 +19,14 @@ from lcmtools.types.std_msgs import Empty, String
 
 
 @pytest.mark.parametrize("name", sorted(FINGERPRINTS))
-def test_every_type_becomes_a_dict_and_back(name: str) -> None:
+def test_every_type_becomes_a_dict_and_back(name):
     message = message_class(name)()
     values = lcmtools.to_dict(message)
     assert json.loads(json.dumps(values)) == json.loads(to_json(message))
     assert lcmtools.from_dict(type(message), values) == message
 
 
-def test_dicts_are_nested_and_have_no_length_fields() -> None:
+def test_dicts_are_nested_and_have_no_length_fields():
     message = JointState(name=["left"], position=np.array([0.5]), effort=(1,), name_length=1)
     stamp = {"sec": 0, "nsec": 0}
     assert lcmtools.to_dict(message) == {
@@ -44,28 +42,28 @@ def test_dicts_are_nested_and_have_no_length_fields() -> None:
     assert ranges == [math.inf]
 
 
-def test_arrays_of_numbers_become_those_of_numpy() -> None:
+def test_arrays_of_numbers_become_those_of_numpy():
     scan = decode(LaserScan, encode(LaserScan(ranges=[1, 2.5])))
-    values: Any = lcmtools.to_dict(scan, arrays=np.asarray)
+    values = lcmtools.to_dict(scan, arrays=np.asarray)
     assert values["ranges"].dtype == np.float32
     assert np.shares_memory(values["ranges"], np.asarray(scan.ranges))
     assert lcmtools.from_dict(LaserScan, values) == scan
-    image: Any = lcmtools.to_dict(Image(data=b"ab"), arrays=np.asarray)
+    image = lcmtools.to_dict(Image(data=b"ab"), arrays=np.asarray)
     assert (image["data"].dtype, image["data"].tolist()) == (np.uint8, [97, 98])
     assert lcmtools.to_dict(JointState(name=["a"]), arrays=np.asarray)["name"] == ["a"]
-    camera: Any = lcmtools.to_dict(CameraInfo(), arrays=np.asarray)
+    camera = lcmtools.to_dict(CameraInfo(), arrays=np.asarray)
     assert camera["K"].shape == (9,)
 
 
-def test_arrays_of_several_dimensions_and_of_messages(odd: ModuleType) -> None:
+def test_arrays_of_several_dimensions_and_of_messages(odd):
     shapes = odd.Shapes()
     shapes.flags = [True, False]
     shapes.keys = [b"abc", b"def"]
-    values: Any = lcmtools.to_dict(shapes, arrays=np.asarray)
+    values = lcmtools.to_dict(shapes, arrays=np.asarray)
     assert values["keys"].tolist() == [[97, 98, 99], [100, 101, 102]]
     assert values["pairs"] == [[{}, {}], [{}, {}]]
     assert encode(lcmtools.from_dict(odd.Shapes, values)) == encode(shapes)
-    poses: Any = lcmtools.to_dict(PoseArray(poses=[message_class("geometry_msgs/Pose")()]))
+    poses = lcmtools.to_dict(PoseArray(poses=[message_class("geometry_msgs/Pose")()]))
     assert poses["poses"][0]["position"] == {"x": 0, "y": 0, "z": 0}
 
 
@@ -85,11 +83,11 @@ def test_arrays_of_several_dimensions_and_of_messages(odd: ModuleType) -> None:
         (Image, {"data": [104, 105]}, Image(data=b"hi")),
     ],
 )
-def test_a_dict_may_have_what_pub_takes(cls: Any, values: Any, message: object) -> None:
+def test_a_dict_may_have_what_pub_takes(cls, values, message):
     assert lcmtools.from_dict(cls, values) == message
 
 
-def test_length_fields_are_set() -> None:
+def test_length_fields_are_set():
     made = lcmtools.from_dict(JointState, {"name": ["a", "b"]})
     assert (made.name_length, JointState.decode(made.encode()).name) == (2, ["a", "b"])
 
@@ -103,7 +101,7 @@ def test_length_fields_are_set() -> None:
             "geometry_msgs/Twist has no field 'liner' (fields: linear, angular); did you mean",
         ),
         (
-            lambda: lcmtools.from_dict(Twist, {"linear": {1: 2.0}}),  # type: ignore[dict-item] # a mistake
+            lambda: lcmtools.from_dict(Twist, {"linear": {1: 2.0}}),
             ValueMismatch,
             "linear.1: geometry_msgs/Vector3 has no field '1' (fields: x, y, z)",
         ),
@@ -128,33 +126,33 @@ def test_length_fields_are_set() -> None:
             "'now' and 'auto' mean the time at which a message is sent; give the time",
         ),
         (
-            lambda: lcmtools.from_dict(Twist, [1, 2]),  # type: ignore[arg-type] # a mistake
+            lambda: lcmtools.from_dict(Twist, [1, 2]),
             UsageError,
             "from_dict: expected a dict of geometry_msgs/Twist's fields, got a list",
         ),
         (
-            lambda: lcmtools.from_dict("geometry_msgs/Twist", {}),  # type: ignore[type-var] # likewise
+            lambda: lcmtools.from_dict("geometry_msgs/Twist", {}),
             UsageError,
             "from_dict: expected a message class, got 'geometry_msgs/Twist'; write",
         ),
         (
-            lambda: lcmtools.to_dict(Twist),  # type: ignore[arg-type] # likewise
+            lambda: lcmtools.to_dict(Twist),
             UsageError,
             "to_dict: expected a message, got a type",
         ),
         (
-            lambda: lcmtools.to_dict(Twist(linear=3)),  # type: ignore[arg-type] # likewise
+            lambda: lcmtools.to_dict(Twist(linear=3)),
             ValueMismatch,
             "linear: expected geometry_msgs/Vector3, got 3",
         ),
         (
-            lambda: lcmtools.to_dict(Image(data=5)),  # type: ignore[arg-type] # likewise
+            lambda: lcmtools.to_dict(Image(data=5)),
             ValueMismatch,
             "data: expected a list of numbers, got 5",
         ),
     ],
 )
-def test_mistakes_are_named(call: Any, error: type[Exception], said: str) -> None:
+def test_mistakes_are_named(call, error, said):
     with pytest.raises(error) as raised:
         call()
     assert said in str(raised.value)

@@ -1,8 +1,6 @@
 """Messages to payloads: nothing cut or padded, and what does not fit named."""
 
 import array
-from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -15,20 +13,20 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
 
 
-def joint_state() -> sensor_msgs.JointState:
+def joint_state():
     message = sensor_msgs.JointState()
     message.name = ["left", "right"]
     message.position = [1.0, 2.0]
     return message
 
 
-def test_a_payload_is_what_lcm_gen_makes() -> None:
+def test_a_payload_is_what_lcm_gen_makes():
     message = geometry_msgs.Twist()
     message.linear.x, message.angular.z = 0.5, -0.0
     assert encode(message) == message.encode()
 
 
-def test_length_fields_are_set_here_and_in_nested_messages() -> None:
+def test_length_fields_are_set_here_and_in_nested_messages():
     message = trajectory_msgs.JointTrajectory()
     message.points = [trajectory_msgs.JointTrajectoryPoint()]
     message.points[0].positions = [0.5]
@@ -38,7 +36,7 @@ def test_length_fields_are_set_here_and_in_nested_messages() -> None:
     assert list(decoded.points[0].positions) == [0.5]
 
 
-def test_encoding_changes_nothing_but_length_fields() -> None:
+def test_encoding_changes_nothing_but_length_fields():
     message = joint_state()
     name, position, header = message.name, message.position, message.header
     encode(message)
@@ -60,9 +58,9 @@ def test_encoding_changes_nothing_but_length_fields() -> None:
     ],
     ids=["list", "tuple", "float64", "float32", "array", "memoryview"],
 )
-def test_numbers_may_come_in_any_kind_of_array(values: object) -> None:
+def test_numbers_may_come_in_any_kind_of_array(values):
     message = std_msgs.Float64MultiArray()
-    message.data = values  # type: ignore[assignment] # more is taken than lcm-gen asks for
+    message.data = values
     assert decode(std_msgs.Float64MultiArray, encode(message)).data == (1.0, 2.5, -3.0)
 
 
@@ -81,39 +79,39 @@ def test_numbers_may_come_in_any_kind_of_array(values: object) -> None:
     ],
     ids=["bytes", "bytearray", "memoryview", "list", "tuple", "int64", "uint8", "strided", "array"],
 )
-def test_bytes_may_come_in_any_kind_of_array(values: object) -> None:
+def test_bytes_may_come_in_any_kind_of_array(values):
     message = sensor_msgs.Image()
-    message.data = values  # type: ignore[assignment] # more is taken than lcm-gen asks for
+    message.data = values
     assert decode(sensor_msgs.Image, encode(message)).data == b"\x01\x02\xff"
 
 
 @pytest.mark.parametrize("value", [True, np.True_, 1])
-def test_booleans_may_be_numpys_or_one(value: object) -> None:
+def test_booleans_may_be_numpys_or_one(value):
     message = std_msgs.Bool()
-    message.data = value  # type: ignore[assignment] # more is taken than lcm-gen asks for
+    message.data = value
     assert decode(std_msgs.Bool, encode(message)).data is True
 
 
-def test_numpys_numbers_may_be_fields() -> None:
+def test_numpys_numbers_may_be_fields():
     message = std_msgs.Header()
-    message.seq = np.int64(5)  # type: ignore[assignment] # more is taken than lcm-gen asks for
+    message.seq = np.int64(5)
     assert decode(std_msgs.Header, encode(message)).seq == 5
 
 
-def test_a_type_of_equal_fields_may_stand_for_another() -> None:
+def test_a_type_of_equal_fields_may_stand_for_another():
     message = geometry_msgs.Twist()
-    message.linear = geometry_msgs.Point()  # type: ignore[assignment] # the same on the wire
+    message.linear = geometry_msgs.Point()
     message.linear.x = 2.0
     assert decode(geometry_msgs.Twist, encode(message)).linear.x == 2.0
 
 
-def test_an_untouched_array_of_fixed_bytes_is_zeros(odd: ModuleType) -> None:
+def test_an_untouched_array_of_fixed_bytes_is_zeros(odd):
     message = decode(odd.Shapes, encode(odd.Shapes()))
     assert message.key == bytes(4)
     assert message.keys == [bytes(3), bytes(3)]
 
 
-def test_rows_of_arrays_set_both_lengths(odd: ModuleType) -> None:
+def test_rows_of_arrays_set_both_lengths(odd):
     message = odd.Shapes()
     message.grid, message.numbers = [b"ab", b"cd", b"ef"], [[1, 2, 3]] * 3
     payload = encode(message)
@@ -121,13 +119,13 @@ def test_rows_of_arrays_set_both_lengths(odd: ModuleType) -> None:
     assert odd.Shapes.decode(payload).grid == [b"ab", b"cd", b"ef"]
 
 
-def test_an_inner_length_stays_when_there_is_no_row_to_tell_it(odd: ModuleType) -> None:
+def test_an_inner_length_stays_when_there_is_no_row_to_tell_it(odd):
     message = odd.Flat()
     message.columns = 3
     assert decode(odd.Flat, encode(message)).columns == 3
 
 
-def with_value(path: str, value: object, make: Callable[[], object]) -> object:
+def with_value(path, value, make):
     """A new message in which the field at a path has a value."""
     message = make()
     *owners, name = path.split(".")
@@ -257,17 +255,15 @@ def with_value(path: str, value: object, make: Callable[[], object]) -> object:
         ),
     ],
 )
-def test_a_wrong_value_is_named_with_its_path(
-    make: Callable[[], object], path: str, value: object, line: str
-) -> None:
+def test_a_wrong_value_is_named_with_its_path(make, path, value, line):
     message = with_value(path, value, make)
-    for wrong in (encode, PayloadEncoder(type(make())).encode):  # type: ignore[arg-type] # of any
+    for wrong in (encode, PayloadEncoder(type(make())).encode):
         with pytest.raises(ValueMismatch) as caught:
-            wrong(message)  # type: ignore[arg-type] # wrong on purpose
+            wrong(message)
         assert str(caught.value) == line
 
 
-def test_arrays_that_share_a_length_must_agree(odd: ModuleType) -> None:
+def test_arrays_that_share_a_length_must_agree(odd):
     message = odd.Shared()
     message.left, message.right = [1.0, 2.0], ["a"]
     with pytest.raises(ValueMismatch) as caught:
@@ -275,7 +271,7 @@ def test_arrays_that_share_a_length_must_agree(odd: ModuleType) -> None:
     assert_says(str(caught.value), "right: ", "1 elements", "left has 2")
 
 
-def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd: ModuleType) -> None:
+def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd):
     message = odd.Shared()
     message.left, message.right = [0.0] * 128, [""] * 128
     with pytest.raises(ValueMismatch) as caught:
@@ -297,9 +293,7 @@ def test_an_array_may_not_be_longer_than_its_length_field_can_say(odd: ModuleTyp
         ("pairs", [[], []], "pairs[0]: expected 2 messages, got 0"),
     ],
 )
-def test_arrays_of_arrays_must_be_rectangular(
-    odd: ModuleType, field: str, value: object, line: str
-) -> None:
+def test_arrays_of_arrays_must_be_rectangular(odd, field, value, line):
     message = odd.Shapes()
     setattr(message, field, value)
     if field == "numbers":
@@ -309,7 +303,7 @@ def test_arrays_of_arrays_must_be_rectangular(
     assert str(caught.value) == line
 
 
-def test_a_message_that_contains_itself_is_refused(odd: ModuleType) -> None:
+def test_a_message_that_contains_itself_is_refused(odd):
     message = odd.Tree()
     message.children = [message]
     for too_deep in (encode, PayloadEncoder(odd.Tree).encode):
@@ -317,6 +311,6 @@ def test_a_message_that_contains_itself_is_refused(odd: ModuleType) -> None:
             too_deep(message)
 
 
-def test_what_is_no_message_is_refused() -> None:
+def test_what_is_no_message_is_refused():
     with raises_saying(ValueMismatch, "str: expected a message", "'hello'"):
-        encode("hello")  # type: ignore[arg-type] # wrong on purpose
+        encode("hello")

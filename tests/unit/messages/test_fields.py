@@ -1,14 +1,12 @@
 """The tables of lcm-gen's classes, read."""
 
-from types import ModuleType
-
 from lcmtools.messages.fields import Field, fields, is_time, stamp, visible_fields
 from lcmtools.messages.registry import message_class
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.std_msgs import Header
 
 
-def test_a_nested_message_is_a_field_of_its_type() -> None:
+def test_a_nested_message_is_a_field_of_its_type():
     twist, vector = message_class("geometry_msgs/Twist"), message_class("geometry_msgs/Vector3")
     linear, _ = fields(twist)
     assert linear == Field(
@@ -16,7 +14,7 @@ def test_a_nested_message_is_a_field_of_its_type() -> None:
     )
 
 
-def test_length_fields_are_there_but_not_visible() -> None:
+def test_length_fields_are_there_but_not_visible():
     joint_state = message_class("sensor_msgs/JointState")
     lengths = [field.name for field in fields(joint_state) if field.is_length]
     assert lengths == ["name_length", "position_length", "velocity_length", "effort_length"]
@@ -29,7 +27,7 @@ def test_length_fields_are_there_but_not_visible() -> None:
     ]
 
 
-def test_sizes_are_numbers_or_names_of_length_fields(odd: ModuleType) -> None:
+def test_sizes_are_numbers_or_names_of_length_fields(odd):
     found = {field.name: field for field in fields(odd.Shapes)}
     assert found["grid"].dimensions == ("rows", "columns")
     assert found["numbers"].dimensions == ("rows", 3)
@@ -38,22 +36,22 @@ def test_sizes_are_numbers_or_names_of_length_fields(odd: ModuleType) -> None:
     assert found["rows"].is_length
 
 
-def test_a_type_may_hold_itself(odd: ModuleType) -> None:
+def test_a_type_may_hold_itself(odd):
     assert visible_fields(odd.Tree)[1].message_class is odd.Tree
 
 
-def test_times_are_known_by_their_fields() -> None:
+def test_times_are_known_by_their_fields():
     assert is_time(message_class("std_msgs/Duration"))
     assert is_time(message_class("builtin_interfaces/Time"))
     assert not is_time(message_class("std_msgs/Header"))
 
 
-def test_a_stamp_is_nanoseconds_since_1970() -> None:
+def test_a_stamp_is_nanoseconds_since_1970():
     message = PoseStamped()
     message.header.stamp.sec, message.header.stamp.nsec = 1_795_244_479, 5
     assert stamp(message) == 1_795_244_479_000_000_005
 
 
-def test_a_message_without_a_header_has_no_stamp() -> None:
+def test_a_message_without_a_header_has_no_stamp():
     assert stamp(Twist()) is None
     assert stamp(Header()) is None

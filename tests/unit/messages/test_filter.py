@@ -23,7 +23,7 @@ ODOMETRY_FIELDS = "(fields: header, child_frame_id, pose, twist)"
 
 
 @pytest.fixture
-def odometry() -> Odometry:
+def odometry():
     message = Odometry()
     message.child_frame_id = "base_link"
     message.pose.pose.position.x = 3.0
@@ -58,7 +58,7 @@ def odometry() -> Odometry:
         "False or 'text'",
     ],
 )
-def test_conditions_that_the_message_meets(text: str, odometry: Odometry) -> None:
+def test_conditions_that_the_message_meets(text, odometry):
     assert Filter(text).matches(odometry)
 
 
@@ -66,11 +66,11 @@ def test_conditions_that_the_message_meets(text: str, odometry: Odometry) -> Non
     "text",
     ["m.child_frame_id == 'odom'", "pose.pose.position.x > 3", "0", "''", "not m.child_frame_id"],
 )
-def test_conditions_that_the_message_does_not_meet(text: str, odometry: Odometry) -> None:
+def test_conditions_that_the_message_does_not_meet(text, odometry):
     assert not Filter(text).matches(odometry)
 
 
-def test_and_and_or_end_as_early_as_pythons(odometry: Odometry) -> None:
+def test_and_and_or_end_as_early_as_pythons(odometry):
     assert not Filter("len(child_frame_id) > 99 and -m.child_frame_id").matches(odometry)
     assert Filter("len(child_frame_id) < 99 or -m.child_frame_id").matches(odometry)
 
@@ -93,18 +93,18 @@ def test_and_and_or_end_as_early_as_pythons(odometry: Odometry) -> None:
         ("ranges[1] > 1", True),
     ],
 )
-def test_a_condition_that_has_no_value_in_a_message_is_not_met(text: str, is_met: bool) -> None:  # noqa: FBT001 - a parameter
+def test_a_condition_that_has_no_value_in_a_message_is_not_met(text, is_met):
     scan = LaserScan()
     scan.ranges = [1.0, 2.0]
     assert Filter(text).matches(scan) is is_met
 
 
-def test_an_index_that_no_message_of_the_type_has_is_named_before_there_is_one() -> None:
+def test_an_index_that_no_message_of_the_type_has_is_named_before_there_is_one():
     with pytest.raises(ValueMismatch, match=r"pose.covariance\[99\]"):
         Filter("pose.covariance[99] > 0").check(Odometry)
 
 
-def test_conditions_go_into_arrays_of_messages() -> None:
+def test_conditions_go_into_arrays_of_messages():
     message = TFMessage()
     message.transforms = [TransformStamped()]
     message.transforms[0].header.frame_id = "odom"
@@ -113,7 +113,7 @@ def test_conditions_go_into_arrays_of_messages() -> None:
         Filter("transforms[0].nope").check(TFMessage)
 
 
-def test_a_types_constants_are_names_like_its_fields() -> None:
+def test_a_types_constants_are_names_like_its_fields():
     status = DiagnosticArray()
     status.status = [DiagnosticStatus(), DiagnosticStatus()]
     status.status[1].level = DiagnosticStatus.WARN
@@ -148,7 +148,7 @@ def test_a_types_constants_are_names_like_its_fields() -> None:
         ("max(1, 2).real", "filter: 'max(1, 2).real' is not a field of the message"),
     ],
 )
-def test_unknown_fields_are_found_without_a_message(text: str, error: str) -> None:
+def test_unknown_fields_are_found_without_a_message(text, error):
     condition = Filter(text)
     with pytest.raises(ValueMismatch) as caught:
         condition.check(Odometry)
@@ -175,9 +175,7 @@ def test_unknown_fields_are_found_without_a_message(text: str, error: str) -> No
         ),
     ],
 )
-def test_what_cannot_be_worked_out_names_the_place(
-    text: str, error: str, odometry: Odometry
-) -> None:
+def test_what_cannot_be_worked_out_names_the_place(text, error, odometry):
     with pytest.raises(ValueMismatch) as caught:
         Filter(text).matches(odometry)
     assert str(caught.value) == error
@@ -210,7 +208,7 @@ EXAMPLE = "; write for example m.data > 0 and m.name == 'x' (==, and, or, not)"
         ("not " * 60 + "1", "filter: the expression is nested more than 40 levels deep"),
     ],
 )
-def test_what_is_not_allowed_is_said_in_one_line(text: str, error: str) -> None:
+def test_what_is_not_allowed_is_said_in_one_line(text, error):
     with pytest.raises(UsageError) as caught:
         Filter(text)
     assert str(caught.value) == error
@@ -218,7 +216,7 @@ def test_what_is_not_allowed_is_said_in_one_line(text: str, error: str) -> None:
 
 
 @pytest.mark.parametrize("call", ["open('x')", "m.encode()", "eval('1')", "(len)(1)(2)"])
-def test_only_the_listed_functions_are_called(call: str) -> None:
+def test_only_the_listed_functions_are_called(call):
     with pytest.raises(UsageError, match="no such function in") as caught:
         Filter(call)
     assert "functions: abs, acos, all" in str(caught.value)
@@ -230,10 +228,10 @@ PARTS += ["not ", " and ", " or ", "len", "max", "round", "abs", "sum", "data[",
 
 
 @given(st.one_of(st.text(max_size=40), st.lists(st.sampled_from(PARTS), max_size=9).map("".join)))
-def test_no_expression_raises_anything_but_a_usage_error_in_one_line(text: str) -> None:
+def test_no_expression_raises_anything_but_a_usage_error_in_one_line(text):
     message = String()
     message.data = "abc"
-    error: UsageError | None = None
+    error = None
     try:
         assert Filter(text).matches(message) in (True, False)
     except UsageError as raised:
@@ -245,7 +243,7 @@ def test_no_expression_raises_anything_but_a_usage_error_in_one_line(text: str) 
     st.sampled_from(["m", "data", "m.data", "(1)", "'a'", "[m]", "[m][0]", "max(m, m)", "len"]),
     st.sampled_from([name for cls in (String, str, int, tuple) for name in dir(cls)]),
 )
-def test_no_expression_reaches_an_attribute_that_is_no_field(owner: str, name: str) -> None:
+def test_no_expression_reaches_an_attribute_that_is_no_field(owner, name):
     if name == "data" and owner == "m":
         return
     with pytest.raises(UsageError):
@@ -255,7 +253,7 @@ def test_no_expression_reaches_an_attribute_that_is_no_field(owner: str, name: s
 @pytest.mark.parametrize(
     "text", ["9**9**9**9", "9" * 400, "(" * 499, "-" * 499 + "1", "1" + "*9" * 30, "round(1, -9e9)"]
 )
-def test_no_expression_takes_long(text: str) -> None:
+def test_no_expression_takes_long(text):
     start = time.process_time()
     with pytest.raises(UsageError):
         Filter(text).matches(String())

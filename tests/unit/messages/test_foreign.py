@@ -44,34 +44,34 @@ PROTOBUF = bytes.fromhex("0a056c69646172 1007 1a080000803f00000040 2205080110ac0
         (b"\xff" * 20, ""),
     ],
 )
-def test_the_format_is_told_by_the_bytes(payload: bytes, name: str) -> None:
+def test_the_format_is_told_by_the_bytes(payload, name):
     assert foreign_format(payload) == name
 
 
 @pytest.mark.parametrize("end", range(6, 60, 5))
-def test_a_head_is_enough_for_json_and_text(end: int) -> None:
+def test_a_head_is_enough_for_json_and_text(end):
     document = json.dumps({"name": "r\u00e9gulateur", "ranges": [1.5] * 20}, ensure_ascii=False)
     assert foreign_format(document.encode()[:end], is_whole=False) == "JSON"
     assert foreign_format("r\u00e9gulateur".encode()[:2], is_whole=False) == "text"
 
 
-def test_a_head_of_protobuf_is_protobuf() -> None:
+def test_a_head_of_protobuf_is_protobuf():
     assert foreign_format(PROTOBUF[:-3], is_whole=False) == "protobuf"
     assert foreign_format(PROTOBUF[:-3]) == ""
 
 
 @pytest.mark.parametrize("name", type_names())
-def test_no_message_of_a_known_type_is_taken_for_another_format(name: str) -> None:
+def test_no_message_of_a_known_type_is_taken_for_another_format(name):
     payload = encode(message_class(name)())
     assert foreign_format(payload) == ""
 
 
-def test_messages_that_hold_text_are_messages() -> None:
+def test_messages_that_hold_text_are_messages():
     text = draft_from_values(String, ["a long text, mostly of letters"]).message
     assert foreign_format(encode(text)) == ""
     assert foreign_format(encode(Odometry())[:100], is_whole=False) == ""
 
 
 @given(st.binary(max_size=200), st.booleans())
-def test_any_bytes_are_survived(payload: bytes, is_whole: bool) -> None:  # noqa: FBT001 - drawn
+def test_any_bytes_are_survived(payload, is_whole):
     assert isinstance(foreign_format(payload, is_whole=is_whole), str)

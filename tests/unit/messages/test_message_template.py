@@ -1,7 +1,5 @@
 """Messages in which a time is the moment of sending."""
 
-from typing import Any
-
 import pytest
 from fixtures.says import raises_saying
 
@@ -14,7 +12,7 @@ from lcmtools.messages.registry import message_class
 NOW = 1_795_244_479_000_000_005
 
 
-def stamps(value: object) -> list[tuple[int, int]]:
+def stamps(value):
     """All times in a plain message."""
     if isinstance(value, dict):
         if "sec" in value:
@@ -46,14 +44,14 @@ def stamps(value: object) -> list[tuple[int, int]]:
         ("nav_msgs/Path", ["{header: auto, poses: []}"]),
     ],
 )
-def test_now_and_auto_are_the_moment_of_each_sending(name: str, texts: list[str]) -> None:
+def test_now_and_auto_are_the_moment_of_each_sending(name, texts):
     draft = draft_from_values(message_class(name), texts)
     for moment in (NOW, NOW + 1_500_000_000):
         sent = decode(message_class(name), draft.payload(moment))
         assert stamps(to_plain(sent)) == [divmod(moment, 1_000_000_000)]
 
 
-def test_what_is_beside_a_word_for_the_time_is_kept() -> None:
+def test_what_is_beside_a_word_for_the_time_is_kept():
     text = "{header: {stamp: now, frame_id: now, seq: 7}, poses: [{header: auto}, {}]}"
     message = draft_from_values(message_class("nav_msgs/Path"), [text]).at(NOW)
     plain = to_plain(message)
@@ -72,19 +70,19 @@ class Pose:
     __typenames__ = ("int64_t", "double")
     __dimensions__ = (None, None)
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.utime, self.x = 0, 0.0
 
 
 @pytest.mark.parametrize("texts", [["{utime: now, x: 1}"], ["now", "1"]])
-def test_a_utime_may_be_now_in_microseconds(texts: list[str]) -> None:
-    draft = draft_from_values(Pose, texts)  # type: ignore[type-var] # it has the tables
+def test_a_utime_may_be_now_in_microseconds(texts):
+    draft = draft_from_values(Pose, texts)
     for moment in (NOW, NOW + 1_500_000_000):
         message = draft.at(moment)
         assert (message.utime, message.x) == (moment // 1000, 1.0)
 
 
-def reading(name: str, lcm_type: str) -> Any:
+def reading(name, lcm_type):
     """Return a class with one field, as lcm-gen writes it."""
     tables = {
         "__slots__": (name,),
@@ -113,9 +111,7 @@ def reading(name: str, lcm_type: str) -> Any:
         ("time_ms", "double", NOW / 10**6),
     ],
 )
-def test_a_number_whose_name_is_of_a_time_may_be_now(
-    name: str, lcm_type: str, value: float
-) -> None:
+def test_a_number_whose_name_is_of_a_time_may_be_now(name, lcm_type, value):
     cls = reading(name, lcm_type)
     draft = draft_from_values(cls, [f"{name}: now"])
     assert getattr(draft.at(NOW), name) == value
@@ -124,13 +120,13 @@ def test_a_number_whose_name_is_of_a_time_may_be_now(
 @pytest.mark.parametrize(
     ("name", "lcm_type"), [("timestamp", "int32_t"), ("seq", "int64_t"), ("timeout", "int64_t")]
 )
-def test_a_number_that_holds_no_time_may_not_be_now(name: str, lcm_type: str) -> None:
+def test_a_number_that_holds_no_time_may_not_be_now(name, lcm_type):
     cls = reading(name, lcm_type)
     with raises_saying(ValueMismatch, f"{name}: expected an integer", "'now'"):
         draft_from_values(cls, [f"{name}: now"])
 
 
-def test_another_number_is_no_time() -> None:
+def test_another_number_is_no_time():
     with raises_saying(ValueMismatch, "seq: expected an integer", "'now'"):
         draft_from_values(message_class("std_msgs/Header"), ["seq: now"])
 
@@ -146,17 +142,15 @@ def test_another_number_is_no_time() -> None:
         ("std_msgs/Header", "stamp: 1000000001", (1, 1)),
     ],
 )
-def test_a_time_may_be_a_number_of_nanoseconds(
-    name: str, text: str, stamp: tuple[int, int]
-) -> None:
+def test_a_time_may_be_a_number_of_nanoseconds(name, text, stamp):
     draft = draft_from_values(message_class(name), [text])
     assert not draft.times
     assert stamps(to_plain(draft.message)) == [stamp]
 
 
-def test_what_does_not_change_is_encoded_once() -> None:
+def test_what_does_not_change_is_encoded_once():
     draft = draft_from_values(message_class("std_msgs/String"), ["now"])
-    assert draft.message.data == "now"  # type: ignore[attr-defined] # a String
+    assert draft.message.data == "now"
     assert draft.payload(NOW) is draft.payload(NOW + 1)
 
 
@@ -189,7 +183,7 @@ def test_what_does_not_change_is_encoded_once() -> None:
         ),
     ],
 )
-def test_other_places_have_no_words_for_the_time(name: str, text: str, line: str) -> None:
+def test_other_places_have_no_words_for_the_time(name, text, line):
     with pytest.raises(ValueMismatch) as caught:
         draft_from_values(message_class(name), [text])
     assert str(caught.value) == line

@@ -2,7 +2,6 @@
 
 import importlib
 import traceback
-from typing import Any
 
 import pytest
 
@@ -34,22 +33,22 @@ INNER = (
         (Empty(), "data", "Empty has no field 'data' (it has no fields)"),
     ],
 )
-def test_a_field_that_a_message_lacks(message: Any, name: str, error: str) -> None:
+def test_a_field_that_a_message_lacks(message, name, error):
     with pytest.raises(AttributeError) as caught:
         getattr(message, name)
     assert traceback.format_exception_only(caught.value) == [f"AttributeError: {error}\n"]
     assert not hasattr(message, name)
 
 
-def test_setting_one_is_explained_where_errors_are_shown() -> None:
-    message: Any = JointState()
+def test_setting_one_is_explained_where_errors_are_shown():
+    message = JointState()
     with pytest.raises(AttributeError) as caught:
         message.efort = [1.0]
     name_fields(caught.value)
     assert str(caught.value) == EFFORT
 
 
-def test_other_errors_stay_as_they_are() -> None:
+def test_other_errors_stay_as_they_are():
     for error in (AttributeError("'Gripper' object has no attribute 'x'"), ValueError("x")):
         before = str(error)
         name_fields(error)
@@ -71,16 +70,16 @@ GEOMETRY = "lcmtools.types.geometry_msgs"
         ("lcmtools.geometry_msgs.msg", "write: from lcmtools.types import geometry_msgs"),
     ],
 )
-def test_the_import_that_was_meant_is_named(module: str, hint: str) -> None:
+def test_the_import_that_was_meant_is_named(module, hint):
     with pytest.raises(ImportError) as caught:
         importlib.import_module(module)
     assert hint in str(caught.value)
 
 
-def test_a_name_of_lcmtools_itself_too() -> None:
+def test_a_name_of_lcmtools_itself_too():
     with pytest.raises(AttributeError, match=r"write: from lcmtools.types import sensor_msgs"):
-        _ = lcmtools.sensor_msgs  # type: ignore[attr-defined] # as said
+        _ = lcmtools.sensor_msgs
     with pytest.raises(AttributeError, match=r"has no attribute 'zebra'$"):
-        _ = lcmtools.zebra  # type: ignore[attr-defined] # likewise
+        _ = lcmtools.zebra
     with pytest.raises(ModuleNotFoundError, match=r"No module named 'lcmtools.zebra'"):
         importlib.import_module("lcmtools.zebra")

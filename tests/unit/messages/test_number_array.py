@@ -21,7 +21,7 @@ RANGES = [1.0, 0.5, 2.25]
 
 
 @pytest.fixture
-def ranges() -> NumberArray:
+def ranges():
     """Return the ranges of a decoded scan."""
     scan = LaserScan()
     scan.ranges = RANGES
@@ -30,7 +30,7 @@ def ranges() -> NumberArray:
     return received
 
 
-def test_it_has_a_sequences_interface(ranges: NumberArray) -> None:
+def test_it_has_a_sequences_interface(ranges):
     assert (len(ranges), ranges[0], ranges[-1], list(ranges)) == (3, 1.0, 2.25, RANGES)
     assert (min(ranges), max(ranges), sum(ranges), sorted(ranges)) == (
         0.5,
@@ -52,7 +52,7 @@ def test_it_has_a_sequences_interface(ranges: NumberArray) -> None:
     assert (first, others) == (1.0, [0.5, 2.25])
 
 
-def test_it_compares_with_lists_tuples_and_its_like(ranges: NumberArray) -> None:
+def test_it_compares_with_lists_tuples_and_its_like(ranges):
     assert ranges == RANGES
     assert RANGES.__eq__(ranges) is NotImplemented  # so that "RANGES == ranges" asks it
     assert ranges == tuple(RANGES)
@@ -68,11 +68,11 @@ def test_it_compares_with_lists_tuples_and_its_like(ranges: NumberArray) -> None
     assert (ranges == np.array(RANGES)).all()
 
 
-def test_it_prints_like_a_list(ranges: NumberArray) -> None:
+def test_it_prints_like_a_list(ranges):
     assert (str(ranges), repr(ranges), f"{ranges}") == ("[1.0, 0.5, 2.25]",) * 3
 
 
-def test_it_joins_lists_and_tuples(ranges: NumberArray) -> None:
+def test_it_joins_lists_and_tuples(ranges):
     assert ranges + RANGES == RANGES * 2
     assert tuple(RANGES) + ranges == RANGES * 2
     assert ranges + ranges == RANGES * 2
@@ -81,10 +81,10 @@ def test_it_joins_lists_and_tuples(ranges: NumberArray) -> None:
     assert (ranges + np.ones(3)).tolist() == [2.0, 1.5, 3.25]
     assert (np.ones(3) + ranges).tolist() == [2.0, 1.5, 3.25]
     with pytest.raises(TypeError):
-        ranges + 1  # type: ignore[operator] # wrong on purpose
+        ranges + 1
 
 
-def test_it_can_be_changed_and_sent_again(ranges: NumberArray) -> None:
+def test_it_can_be_changed_and_sent_again(ranges):
     ranges[0] = 3.5
     ranges.append(4.0)
     ranges.extend([5.0])
@@ -96,7 +96,7 @@ def test_it_can_be_changed_and_sent_again(ranges: NumberArray) -> None:
         hash(ranges)
 
 
-def test_it_survives_copies_and_pickling(ranges: NumberArray) -> None:
+def test_it_survives_copies_and_pickling(ranges):
     scan = LaserScan()
     scan.ranges = ranges
     for again in (
@@ -110,14 +110,14 @@ def test_it_survives_copies_and_pickling(ranges: NumberArray) -> None:
         assert again is not ranges
 
 
-def test_numpy_takes_it_without_a_copy(ranges: NumberArray) -> None:
+def test_numpy_takes_it_without_a_copy(ranges):
     view = np.asarray(ranges)
     assert view.dtype == np.float32
     view[0] = 7.0
     assert ranges[0] == 7.0
 
 
-def test_texts_have_its_numbers(ranges: NumberArray) -> None:
+def test_texts_have_its_numbers(ranges):
     scan = LaserScan()
     scan.ranges = ranges
     assert "ranges: [1.0, 0.5, 2.25]\n" in format_message(scan)
@@ -126,14 +126,14 @@ def test_texts_have_its_numbers(ranges: NumberArray) -> None:
     assert json.dumps(list(ranges)) == "[1.0, 0.5, 2.25]"
 
 
-def test_int8_keeps_its_sign_and_refuses_what_it_cannot_hold() -> None:
+def test_int8_keeps_its_sign_and_refuses_what_it_cannot_hold():
     grid = OccupancyGrid()
     grid.data = [-1, 0, 100]
     received = decode(OccupancyGrid, encode(grid))
     assert received.data == [-1, 0, 100]
     with pytest.raises(OverflowError):
-        received.data[0] = 200  # type: ignore[index] # stubs name what lcm-gen promises
+        received.data[0] = 200
 
 
-def test_short_arrays_of_fixed_size_are_tuples() -> None:
+def test_short_arrays_of_fixed_size_are_tuples():
     assert decode(PoseWithCovariance, encode(PoseWithCovariance())).covariance == (0.0,) * 36

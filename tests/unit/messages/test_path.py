@@ -24,14 +24,14 @@ EXAMPLES = "; write [0], [-1], [0:5] or [::2]"
 
 
 @pytest.fixture
-def scan() -> LaserScan:
+def scan():
     message = LaserScan()
     message.ranges = [0.0, 1.0, 2.0, 3.0, 4.0]
     return message
 
 
 @pytest.fixture
-def transforms() -> TFMessage:
+def transforms():
     message = TFMessage()
     message.transforms = [TransformStamped() for _ in range(3)]
     for index, transform in enumerate(message.transforms):
@@ -50,7 +50,7 @@ def transforms() -> TFMessage:
         ".pose.pose.position/x",
     ],
 )
-def test_dots_and_slashes_mean_the_same(text: str) -> None:
+def test_dots_and_slashes_mean_the_same(text):
     message = Odometry()
     message.pose.pose.position.x = 2.5
     assert select(message, parse_path(text)).value == 2.5
@@ -65,12 +65,12 @@ def test_dots_and_slashes_mean_the_same(text: str) -> None:
         *(("ranges[-3:2]", 0), ("ranges[5:0:-1]", 0), ("ranges[0:1000000000]", 0)),
     ],
 )
-def test_a_slice_with_bounds_has_a_width(text: str, width: int) -> None:
+def test_a_slice_with_bounds_has_a_width(text, width):
     assert parse_path(text).width == width
 
 
 @pytest.mark.parametrize("text", ["", "/"])
-def test_an_empty_path_is_the_whole_message(text: str) -> None:
+def test_an_empty_path_is_the_whole_message(text):
     message = Odometry()
     assert parse_path(text) == Path()
     assert select(message, parse_path(text)).value is message
@@ -91,7 +91,7 @@ def test_an_empty_path_is_the_whole_message(text: str) -> None:
         ("ranges[1:4][0]", 1.0),
     ],
 )
-def test_indices_and_slices_are_pythons(text: str, value: object, scan: LaserScan) -> None:
+def test_indices_and_slices_are_pythons(text, value, scan):
     assert select(scan, parse_path(text)).value == value
 
 
@@ -104,11 +104,11 @@ def test_indices_and_slices_are_pythons(text: str, value: object, scan: LaserSca
         ("transforms[:].transform.translation.x", [0.0, 1.0, 2.0]),
     ],
 )
-def test_paths_go_into_arrays_of_messages(text: str, value: object, transforms: TFMessage) -> None:
+def test_paths_go_into_arrays_of_messages(text, value, transforms):
     assert select(transforms, parse_path(text)).value == value
 
 
-def test_the_target_of_a_path_is_known_without_a_message() -> None:
+def test_the_target_of_a_path_is_known_without_a_message():
     found = target(TFMessage, parse_path("transforms[0:2].header.frame_id"))
     assert (found.type, found.depth) == ("string", 1)
     assert target(Pose, parse_path("position")).type == "geometry_msgs/Point"
@@ -133,7 +133,7 @@ def test_the_target_of_a_path_is_known_without_a_message() -> None:
         ("a[0]b", "field path 'a[0]b': expected a field's name at 'b'"),
     ],
 )
-def test_what_is_no_path_is_said_in_one_line(text: str, error: str) -> None:
+def test_what_is_no_path_is_said_in_one_line(text, error):
     with pytest.raises(UsageError) as caught:
         parse_path(text)
     assert str(caught.value) == error
@@ -157,44 +157,44 @@ def test_what_is_no_path_is_said_in_one_line(text: str, error: str) -> None:
         ("[0]", "the message is not an array but a geometry_msgs/Pose"),
     ],
 )
-def test_what_a_type_does_not_have_is_said_with_what_it_has(text: str, error: str) -> None:
+def test_what_a_type_does_not_have_is_said_with_what_it_has(text, error):
     with pytest.raises(ValueMismatch) as caught:
         select(Pose(), parse_path(text))
     assert str(caught.value).startswith(error)
     assert caught.value.exit_code == 2
 
 
-def test_an_index_outside_of_an_array_is_an_error(scan: LaserScan) -> None:
+def test_an_index_outside_of_an_array_is_an_error(scan):
     with pytest.raises(ValueMismatch) as caught:
         select(scan, parse_path("ranges[9]"))
     assert_says(str(caught.value), "ranges[9]: ", "5 elements", "[9]")
 
 
-def test_an_index_outside_of_an_array_of_fixed_size_is_found_without_a_message() -> None:
+def test_an_index_outside_of_an_array_of_fixed_size_is_found_without_a_message():
     with pytest.raises(ValueMismatch) as caught:
         target(Odometry, parse_path("pose.covariance[36]"))
     assert_says(str(caught.value), "pose.covariance[36]: ", "36 elements")
 
 
-def test_a_name_after_an_array_asks_for_an_index() -> None:
+def test_a_name_after_an_array_asks_for_an_index():
     with pytest.raises(ValueMismatch) as caught:
         target(TFMessage, parse_path("transforms.header"))
     parts = ("transforms", "array of geometry_msgs/TransformStamped", "'header'", "; ", "[0]")
     assert_says(str(caught.value), *parts)
 
 
-def test_a_length_field_is_selected_like_any_other(scan: LaserScan) -> None:
+def test_a_length_field_is_selected_like_any_other(scan):
     scan.ranges_length = 3
     assert select(scan, parse_path("ranges_length")).value == 3
 
 
 @given(st.text(alphabet="/.[]:ab01-", max_size=20))
-def test_every_split_gives_the_argument_again(argument: str) -> None:
+def test_every_split_gives_the_argument_again(argument):
     assert all(topic + path == argument for topic, path in splits(argument))
 
 
 @given(st.text(alphabet="/.[]:-0123456789ab_ranges ", max_size=30))
-def test_no_path_raises_anything_but_a_usage_error(text: str) -> None:
+def test_no_path_raises_anything_but_a_usage_error(text):
     message = LaserScan()
     message.ranges = [1.0, 2.0]
     with suppress(UsageError):
@@ -202,7 +202,7 @@ def test_no_path_raises_anything_but_a_usage_error(text: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["sec", "secs", "nsec", "nsecs", "nanosec"])
-def test_a_times_fields_have_the_names_of_both_ros(name: str, scan: LaserScan) -> None:
+def test_a_times_fields_have_the_names_of_both_ros(name, scan):
     scan.header.stamp.sec, scan.header.stamp.nsec = 3, 5
     path = parse_path(f"header.stamp.{name}")
     assert select(scan, path).value == (3 if "n" not in name else 5)
@@ -210,7 +210,7 @@ def test_a_times_fields_have_the_names_of_both_ros(name: str, scan: LaserScan) -
     assert str(path) == f"header.stamp.{name}"
 
 
-def test_only_a_time_has_them(scan: LaserScan) -> None:
+def test_only_a_time_has_them(scan):
     with raises_saying(ValueMismatch, "header.secs: ", "std_msgs/Header", "no field 'secs'"):
         select(scan, parse_path("header.secs"))
 
@@ -225,7 +225,7 @@ def test_only_a_time_has_them(scan: LaserScan) -> None:
         ("nothing_like_it", ""),
     ],
 )
-def test_a_field_that_is_further_inside_is_found(path: str, hint: str) -> None:
+def test_a_field_that_is_further_inside_is_found(path, hint):
     with pytest.raises(ValueMismatch) as error:
         target(Odometry, parse_path(path))
     assert error.value.hint == hint

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -36,7 +35,7 @@ from lcmtools.types.std_srvs import Trigger
         "Twist",
     ],
 )
-def test_a_type_is_found_however_its_name_is_written(name: str) -> None:
+def test_a_type_is_found_however_its_name_is_written(name):
     assert message_class(name) is Twist
 
 
@@ -80,14 +79,14 @@ def test_a_type_is_found_however_its_name_is_written(name: str) -> None:
         ),
     ],
 )
-def test_an_unknown_type_names_what_may_be_meant(name: str, line: str) -> None:
+def test_an_unknown_type_names_what_may_be_meant(name, line):
     with pytest.raises(UnknownType) as caught:
         message_class(name)
     assert str(caught.value) == line
 
 
 @pytest.mark.parametrize("name", ["std_srvs/Trigger", "std_srvs/srv/Trigger", "Trigger"])
-def test_a_service_is_found_however_its_name_is_written(name: str) -> None:
+def test_a_service_is_found_however_its_name_is_written(name):
     assert service_class(name).Request is Trigger.Request
     assert service_class(name).__name__ == "Trigger"
 
@@ -105,14 +104,14 @@ def test_a_service_is_found_however_its_name_is_written(name: str) -> None:
         ),
     ],
 )
-def test_an_unknown_service_names_what_may_be_meant(name: str, line: str) -> None:
+def test_an_unknown_service_names_what_may_be_meant(name, line):
     with pytest.raises(UnknownType) as caught:
         service_class(name)
     assert str(caught.value) == line
 
 
 @pytest.mark.parametrize("name", sorted(FINGERPRINTS))
-def test_every_type_has_its_name_and_its_fingerprint(name: str) -> None:
+def test_every_type_has_its_name_and_its_fingerprint(name):
     cls = message_class(name)
     assert type_name(cls) == name
     assert type_name(cls()) == name
@@ -130,15 +129,15 @@ def test_every_type_has_its_name_and_its_fingerprint(name: str) -> None:
         ("std_msgs/Bool", ["std_msgs/Bool", "std_srvs/SetBool_Request"]),
     ],
 )
-def test_the_likeliest_type_of_a_fingerprint_comes_first(name: str, expected: list[str]) -> None:
+def test_the_likeliest_type_of_a_fingerprint_comes_first(name, expected):
     assert candidates(FINGERPRINTS[name]) == expected
 
 
-def test_an_unknown_fingerprint_has_no_candidates() -> None:
+def test_an_unknown_fingerprint_has_no_candidates():
     assert candidates(1) == []
 
 
-def test_all_types_and_services_are_listed_in_order() -> None:
+def test_all_types_and_services_are_listed_in_order():
     assert type_names() == sorted(FINGERPRINTS)
     assert service_names() == sorted(SERVICES)
     assert {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger"} <= set(service_names())
@@ -146,11 +145,11 @@ def test_all_types_and_services_are_listed_in_order() -> None:
 
 
 @pytest.mark.parametrize("name", ["std_srvs/Trigger", "std_srvs/srv/Trigger", "Trigger"])
-def test_a_services_full_name_is_found_from_every_spelling(name: str) -> None:
+def test_a_services_full_name_is_found_from_every_spelling(name):
     assert service_name(name) == "std_srvs/Trigger"
 
 
-def test_an_earlier_source_hides_a_type_of_the_same_name() -> None:
+def test_an_earlier_source_hides_a_type_of_the_same_name():
     ours = TypeSource("lcmtools.types", {"std_msgs/String": 1})
     theirs = TypeSource("elsewhere", {"std_msgs/String": 2, "b/Other": 3})
     registry = Registry([ours, theirs])
@@ -163,25 +162,23 @@ def test_an_earlier_source_hides_a_type_of_the_same_name() -> None:
 class _Supply:
     """A user's own types; who asks for those of installed packages waits for a disk."""
 
-    def workspace(self) -> TypeSource:
+    def workspace(self):
         return TypeSource("lcmtools.types", {"my_msgs/Bump": 7}, ["my_srvs/Go"])
 
-    def installed(self) -> TypeSource:
+    def installed(self):
         raise AssertionError("asked without need")
 
-    def recorded_names(self, _: int) -> list[str]:
+    def recorded_names(self, _):
         return []
 
-    def recorded(self) -> list[TypeSource]:
+    def recorded(self):
         raise AssertionError("asked without need")
 
-    def add_start(self, _: Path) -> None:
+    def add_start(self, _):
         raise AssertionError("asked without need")
 
 
-def test_a_type_of_the_workspace_is_found_without_looking_at_installed_packages(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_type_of_the_workspace_is_found_without_looking_at_installed_packages(monkeypatch):
     monkeypatch.setattr("lcmtools.messages.registry._load", lambda prefix, name: (prefix, name))
     shipped = TypeSource("shipped", FINGERPRINTS, SERVICES)
     registry = Registry([shipped], _Supply())
@@ -194,7 +191,7 @@ def test_a_type_of_the_workspace_is_found_without_looking_at_installed_packages(
         registry.message_class("my_msgs/Nothing")
 
 
-def test_looking_up_names_and_fingerprints_imports_no_type() -> None:
+def test_looking_up_names_and_fingerprints_imports_no_type():
     script = (
         "import sys; from lcmtools.messages.registry import candidates, type_names\n"
         "assert candidates(0x2e7c07d7cdf7e027) and type_names()\n"
@@ -206,5 +203,5 @@ def test_looking_up_names_and_fingerprints_imports_no_type() -> None:
     assert done.stdout == "['lcmtools.types.fingerprints']\n"
 
 
-def test_a_type_that_several_sources_have_is_proposed_once() -> None:
+def test_a_type_that_several_sources_have_is_proposed_once():
     assert near_miss("acme/cmd", ["cmd_t", "cmd_t"]) == "did you mean cmd_t?"

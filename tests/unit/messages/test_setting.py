@@ -7,7 +7,6 @@ from fixtures.says import raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.setting import (
-    ParameterValue,
     check_setting,
     kind_of,
     read_setting,
@@ -44,7 +43,7 @@ TEXTS = [
 
 
 @pytest.mark.parametrize("text", TEXTS)
-def test_a_text_that_is_written_is_read_back_alone_in_lists_and_as_anything(text: str) -> None:
+def test_a_text_that_is_written_is_read_back_alone_in_lists_and_as_anything(text):
     assert read_setting(write_setting(text), "string", "p") == text
     assert read_setting(write_setting([text, "b"]), "string[]", "p") == [text, "b"]
     assert read_setting(write_setting(text), "any", "p") == text
@@ -54,15 +53,15 @@ def test_a_text_that_is_written_is_read_back_alone_in_lists_and_as_anything(text
     "value",
     [True, False, 0, -(2**63), 2**63 - 1, 0.1, -1e-300, 1e300, math.inf, -math.inf, [], [1], [0.5]],
 )
-def test_a_value_that_is_written_is_read_back_with_its_type(value: ParameterValue) -> None:
+def test_a_value_that_is_written_is_read_back_with_its_type(value):
     read = read_setting(write_setting(value), kind_of(value), "p")
     assert read == value
     assert type(read) is type(value)
     assert "\n" not in write_setting(value)
 
 
-def test_what_is_not_a_number_is_read_back_too() -> None:
-    assert math.isnan(read_setting(write_setting(math.nan), "float", "p"))  # type: ignore[arg-type]
+def test_what_is_not_a_number_is_read_back_too():
+    assert math.isnan(read_setting(write_setting(math.nan), "float", "p"))
 
 
 @pytest.mark.parametrize(
@@ -79,14 +78,14 @@ def test_what_is_not_a_number_is_read_back_too() -> None:
         (None, "any"),
     ],
 )
-def test_the_kind_is_that_of_the_value(value: ParameterValue, kind: str) -> None:
+def test_the_kind_is_that_of_the_value(value, kind):
     assert kind_of(value) == kind
 
 
 @pytest.mark.parametrize("value", [{"a": 1}, object(), b"bytes"])
-def test_what_no_parameter_can_be_is_refused(value: object) -> None:
+def test_what_no_parameter_can_be_is_refused(value):
     with raises_saying(ValueMismatch, "not a value", "parameter"):
-        kind_of(value)  # type: ignore[arg-type]
+        kind_of(value)
 
 
 @pytest.mark.parametrize(
@@ -102,13 +101,13 @@ def test_what_no_parameter_can_be_is_refused(value: object) -> None:
         ("9223372036854775808", "int", "p: 9223372036854775808 does not fit int64"),
     ],
 )
-def test_a_text_of_another_kind_is_refused(text: str, kind: str, line: str) -> None:
+def test_a_text_of_another_kind_is_refused(text, kind, line):
     with pytest.raises(ValueMismatch) as caught:
         read_setting(text, kind, "p")
     assert str(caught.value).startswith(line)
 
 
-def test_a_list_of_mappings_is_refused_and_shown_whole() -> None:
+def test_a_list_of_mappings_is_refused_and_shown_whole():
     text = text_of([{"name": "a", "gains": ["1", "on"]}], "any")
     assert text == '[{name: a, gains: [1, "on"]}]'
     with pytest.raises(ValueMismatch, match=r"p\[0\]: expected a number, true, false or text"):
@@ -117,7 +116,7 @@ def test_a_list_of_mappings_is_refused_and_shown_whole() -> None:
         text_of([b"\0"], "any")
 
 
-def test_a_python_value_is_not_read_as_text() -> None:
+def test_a_python_value_is_not_read_as_text():
     assert check_setting(2, "float", "p") == 2.0
     with pytest.raises(ValueMismatch, match=r"p: expected a number, got '2\.5'"):
         check_setting("2.5", "float", "p")
@@ -137,7 +136,5 @@ def test_a_python_value_is_not_read_as_text() -> None:
         ("'a'", "string", "'a'"),
     ],
 )
-def test_a_value_of_a_document_becomes_a_text_for_its_kind(
-    value: object, kind: str, expected: ParameterValue
-) -> None:
-    assert read_setting(text_of(value, kind), kind, "p") == expected  # type: ignore[arg-type]
+def test_a_value_of_a_document_becomes_a_text_for_its_kind(value, kind, expected):
+    assert read_setting(text_of(value, kind), kind, "p") == expected

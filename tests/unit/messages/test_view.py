@@ -7,13 +7,12 @@ from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.path import Path, parse_path, select
 from lcmtools.messages.plain import (
     NOTHING,
-    Plain,
     View,
     cells,
     plain_value,
     to_plain,
 )
-from lcmtools.messages.registry import Message, message_class, type_names
+from lcmtools.messages.registry import message_class, type_names
 from lcmtools.messages.text import FREE, Writer, format_message
 from lcmtools.types.geometry_msgs import TransformStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
@@ -22,13 +21,13 @@ from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker
 
 
-def shown(message: Message, path: str = "", view: View = NOTHING) -> Plain:
+def shown(message, path="", view=NOTHING):
     found = select(message, parse_path(path))
     return plain_value(found.value, found.target, view)
 
 
 @pytest.fixture
-def joints() -> JointState:
+def joints():
     message = JointState()
     message.header.stamp.nsec = 5
     message.name = ["left wheel", "right"]
@@ -37,7 +36,7 @@ def joints() -> JointState:
 
 
 @pytest.mark.parametrize("name", type_names())
-def test_a_whole_message_looks_the_same_as_plain_value_and_as_message(name: str) -> None:
+def test_a_whole_message_looks_the_same_as_plain_value_and_as_message(name):
     cls = message_class(name)
     message = decode(cls, encode(cls()))
     found = select(message, Path())
@@ -46,7 +45,7 @@ def test_a_whole_message_looks_the_same_as_plain_value_and_as_message(name: str)
     assert FREE.block(plain).splitlines() == format_message(message).splitlines()
 
 
-def test_strings_times_and_arrays_of_messages_look_the_same_too(joints: JointState) -> None:
+def test_strings_times_and_arrays_of_messages_look_the_same_too(joints):
     marker = Marker()
     marker.points = [type(marker.pose.position)() for _ in range(2)]
     transforms = TFMessage()
@@ -65,11 +64,11 @@ def test_strings_times_and_arrays_of_messages_look_the_same_too(joints: JointSta
         ("header.stamp", "sec: 0\nnsec:         5"),
     ],
 )
-def test_parts_look_as_in_rostopic_echo(path: str, text: str, joints: JointState) -> None:
+def test_parts_look_as_in_rostopic_echo(path, text, joints):
     assert FREE.block(shown(joints, path)) == text
 
 
-def test_hidden_arrays_and_strings_are_named(joints: JointState) -> None:
+def test_hidden_arrays_and_strings_are_named(joints):
     plain = shown(joints, view=View(hides_arrays=True, hides_strings=True))
     assert isinstance(plain, dict)
     assert plain["name"] == "<array type: string, length: 2>"
@@ -79,12 +78,12 @@ def test_hidden_arrays_and_strings_are_named(joints: JointState) -> None:
     assert FREE.block(plain["velocity"]) == '"<array type: float64, length: 0>"'
 
 
-def test_flow_style_is_one_line(joints: JointState) -> None:
+def test_flow_style_is_one_line(joints):
     assert FREE.flow(shown(joints, "header.stamp")) == "{sec: 0, nsec: 5}"
     assert FREE.flow(shown(joints, "name")) == '["left wheel", "right"]'
 
 
-def test_longer_arrays_and_strings_are_cut(joints: JointState) -> None:
+def test_longer_arrays_and_strings_are_cut(joints):
     joints.position = [1.0, 2.0, 3.0]
     view = View(longest=2)
     assert FREE.block(shown(joints, "position", view)) == "[1.0, 2.0, ...]"
@@ -102,7 +101,7 @@ def test_longer_arrays_and_strings_are_cut(joints: JointState) -> None:
     assert FREE.flow(shown(joints, "name", view)) == '["a", "b", ...]'
 
 
-def test_a_table_has_no_columns_for_what_is_hidden_and_no_dots(joints: JointState) -> None:
+def test_a_table_has_no_columns_for_what_is_hidden_and_no_dots(joints):
     table = View(hides_arrays=True, hides_strings=True, is_table=True)
     assert cells(shown(joints, view=table)) == {"field.header.seq": 0, "field.header.stamp": 5}
     joints.position = [1.0, 2.0, 3.0]
@@ -111,7 +110,7 @@ def test_a_table_has_no_columns_for_what_is_hidden_and_no_dots(joints: JointStat
     assert cells(shown(joints, "name[0]", cut)) == {"field": "le"}
 
 
-def test_times_are_relative_and_lengths_of_time_are_not(joints: JointState) -> None:
+def test_times_are_relative_and_lengths_of_time_are_not(joints):
     view = View(origin=2_000_000_000)
     assert FREE.block(shown(joints, "header.stamp", view)) == "sec: -2\nnsec:         5"
     marker = Marker()
@@ -121,7 +120,7 @@ def test_times_are_relative_and_lengths_of_time_are_not(joints: JointState) -> N
     assert FREE.flow(shown(marker, "header.stamp.sec", view)) == "0"
 
 
-def test_numbers_of_a_fixed_width_are_rostopics(joints: JointState) -> None:
+def test_numbers_of_a_fixed_width_are_rostopics(joints):
     joints.position = [3.14159265, -2.5, 12345.678, 0.0, float("inf"), float("nan")]
     writer = Writer(5)
     assert writer.block(shown(joints, "position")) == ("[3.141, -2.50, 12345, 0.000, inf, nan]")
@@ -140,7 +139,5 @@ def test_numbers_of_a_fixed_width_are_rostopics(joints: JointState) -> None:
         (View(longest=5), {JointState, TFMessage, Odometry, Twist}),
     ],
 )
-def test_a_view_that_shortens_arrays_leaves_types_without_longer_ones(
-    view: View, changed: set[type[Message]]
-) -> None:
+def test_a_view_that_shortens_arrays_leaves_types_without_longer_ones(view, changed):
     assert {cls for cls in (Twist, Odometry, JointState, TFMessage) if view.changes(cls)} == changed

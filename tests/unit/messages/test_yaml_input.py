@@ -1,7 +1,6 @@
 """Messages from what users type, and what is said when they type something else."""
 
 import math
-from types import ModuleType
 
 import pytest
 
@@ -15,7 +14,7 @@ from lcmtools.types.builtin_interfaces import Time
 from lcmtools.types.nav_msgs import Path
 
 
-def twist(*texts: str) -> list[float]:
+def twist(*texts):
     message = draft_from_values(geometry_msgs.Twist, texts).message
     return [getattr(vector, axis) for vector in (message.linear, message.angular) for axis in "xyz"]
 
@@ -40,7 +39,7 @@ def twist(*texts: str) -> list[float]:
         (["linear: {x: '1'}"], [1, 0, 0, 0, 0, 0]),
     ],
 )
-def test_fields_are_given_by_name_or_in_order(texts: list[str], expected: list[float]) -> None:
+def test_fields_are_given_by_name_or_in_order(texts, expected):
     assert twist(*texts) == expected
 
 
@@ -67,13 +66,13 @@ def test_fields_are_given_by_name_or_in_order(texts: list[str], expected: list[f
         ("!!float 1.5", 1.5),
     ],
 )
-def test_numbers_are_read_as_people_write_them(text: str, number: float) -> None:
+def test_numbers_are_read_as_people_write_them(text, number):
     data = draft_from_values(std_msgs.Float64, [text]).message.data
     assert (data, math.copysign(1, data)) == (number, math.copysign(1, number))
 
 
 @pytest.mark.parametrize("text", ["nan", ".nan", "NaN", ".NAN"])
-def test_nan_is_a_number(text: str) -> None:
+def test_nan_is_a_number(text):
     assert math.isnan(draft_from_values(std_msgs.Float64, [text]).message.data)
 
 
@@ -92,12 +91,12 @@ def test_nan_is_a_number(text: str) -> None:
         ("1.27e2", 127),
     ],
 )
-def test_integers_are_read_as_people_write_them(text: str, number: int) -> None:
+def test_integers_are_read_as_people_write_them(text, number):
     assert draft_from_values(std_msgs.Int8, [text]).message.data == number
 
 
 @pytest.mark.parametrize("number", [-(1 << 63), (1 << 63) - 1, 123456789012345678])
-def test_large_integers_lose_nothing(number: int) -> None:
+def test_large_integers_lose_nothing(number):
     assert draft_from_values(std_msgs.Int64, [str(number)]).message.data == number
 
 
@@ -108,7 +107,7 @@ def test_large_integers_lose_nothing(number: int) -> None:
         *((text, False) for text in ("false", "no", "OFF", "0", '"0"')),
     ],
 )
-def test_booleans_are_read_as_people_write_them(text: str, value: bool) -> None:  # noqa: FBT001 - what is tested
+def test_booleans_are_read_as_people_write_them(text, value):
     assert draft_from_values(std_msgs.Bool, [text]).message.data is value
 
 
@@ -142,7 +141,7 @@ def test_booleans_are_read_as_people_write_them(text: str, value: bool) -> None:
         ("data: 'data:hello'", "data:hello"),
     ],
 )
-def test_text_stays_as_it_is_written(text: str, value: str) -> None:
+def test_text_stays_as_it_is_written(text, value):
     assert draft_from_values(std_msgs.String, [text]).message.data == value
 
 
@@ -158,7 +157,7 @@ def test_text_stays_as_it_is_written(text: str, value: str) -> None:
         ("data: ''", b""),
     ],
 )
-def test_bytes_are_numbers_text_or_base64(text: str, value: bytes) -> None:
+def test_bytes_are_numbers_text_or_base64(text, value):
     assert draft_from_values(sensor_msgs.CompressedImage, [text]).message.data == value
 
 
@@ -166,12 +165,12 @@ def test_bytes_are_numbers_text_or_base64(text: str, value: bytes) -> None:
     "text",
     ["{sec: 1, nsec: 2}", "{secs: 1, nsecs: 2}", "{sec: 1, nanosec: 2}", "[1, 2]"],
 )
-def test_times_have_the_names_of_ros_1_and_ros_2(text: str) -> None:
+def test_times_have_the_names_of_ros_1_and_ros_2(text):
     assert to_plain(draft_from_values(std_msgs.Time, [text]).message) == {"sec": 1, "nsec": 2}
     assert to_plain(draft_from_values(Time, [text]).message) == {"sec": 1, "nanosec": 2}
 
 
-def test_arrays_of_messages_are_lists_of_mappings_or_lists() -> None:
+def test_arrays_of_messages_are_lists_of_mappings_or_lists():
     text = "poses: [{pose: {position: {x: 1}}}, [{frame_id: map}, [[2, 0, 0], [0, 0, 0, 1]]]]"
     first, second = draft_from_values(Path, [text]).message.poses
     assert first.pose.position.x == 1.0
@@ -182,16 +181,16 @@ def test_arrays_of_messages_are_lists_of_mappings_or_lists() -> None:
     )
 
 
-def test_an_array_may_be_given_alone_where_it_is_the_only_field(odd: ModuleType) -> None:
+def test_an_array_may_be_given_alone_where_it_is_the_only_field(odd):
     transforms = "[{child_frame_id: a}, {child_frame_id: b}]"
     message = draft_from_values(message_class("tf2_msgs/TFMessage"), [transforms]).message
-    assert [t["child_frame_id"] for t in to_plain(message)["transforms"]] == ["a", "b"]  # type: ignore[call-overload,index,union-attr] # a list of dicts
+    assert [t["child_frame_id"] for t in to_plain(message)["transforms"]] == ["a", "b"]
     assert len(draft_from_values(odd.Many, ["[{}, {}]"]).message.items) == 2
     for text in ("[[1, 2], [3, 4]]", "[[1, 2]]"):
         assert draft_from_values(odd.Flat, [text]).message.grid[0] == [1.0, 2.0]
 
 
-def test_bytes_of_several_dimensions_may_be_text(odd: ModuleType) -> None:
+def test_bytes_of_several_dimensions_may_be_text(odd):
     message = draft_from_values(
         odd.Shapes, ["{keys: [abc, [1, 2, 3]], key: [], grid: [a, b]}"]
     ).message
@@ -200,39 +199,39 @@ def test_bytes_of_several_dimensions_may_be_text(odd: ModuleType) -> None:
     assert message.grid == [b"a", b"b"]
 
 
-def test_an_alias_may_be_a_field_name() -> None:
+def test_an_alias_may_be_a_field_name():
     assert parse_values(["[&x linear, {*x : 1}]"]) == ["linear", {"linear": "1"}]
 
 
-def test_every_argument_is_parsed_on_its_own() -> None:
+def test_every_argument_is_parsed_on_its_own():
     assert parse_values(["[1, 2]", "a: b", "", "'~'"]) == [["1", "2"], {"a": "b"}, None, "~"]
 
 
-def texts_in(text: str) -> list[str]:
+def texts_in(text):
     drafts = drafts_from_lines(std_msgs.String, text.split("\n"))
     return [draft.message.data for draft in drafts if draft]
 
 
-def test_every_document_of_a_text_is_a_message() -> None:
+def test_every_document_of_a_text_is_a_message():
     assert texts_in("data: a\n---\n\n---\n{data: b}\n---\nc\n") == ["a", "b", "c"]
 
 
-def test_lines_of_json_are_documents_too() -> None:
+def test_lines_of_json_are_documents_too():
     text = '{"data":"{a}"}\n\n# a comment\n{"data":"b"}\r\n---\n{"data": "c"}\n'
     assert texts_in(text) == ["{a}", "b", "c"]
 
 
-def test_no_message_comes_from_an_empty_text() -> None:
+def test_no_message_comes_from_an_empty_text():
     assert texts_in("") == []
 
 
-def test_a_pause_between_lines_is_handed_on() -> None:
+def test_a_pause_between_lines_is_handed_on():
     lines = ["data: a", None, "---", None, "data: b"]
     drafts = drafts_from_lines(std_msgs.String, lines)
     assert [draft and draft.message.data for draft in drafts] == [None, "a", None, "b"]
 
 
-def test_a_value_that_fits_can_be_encoded() -> None:
+def test_a_value_that_fits_can_be_encoded():
     message = draft_from_values(sensor_msgs.JointState, ["{name: [a], position: [1]}"]).message
     assert encode(message)
     assert (message.name_length, message.position_length) == (1, 1)

@@ -15,7 +15,7 @@ from lcmtools.messages.registry import message_class
 from lcmtools.types import std_msgs
 
 
-def quote(start: str) -> str:
+def quote(start):
     return f"put text that begins with '{start}' in quotes"
 
 
@@ -213,7 +213,7 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
         ),
     ],
 )
-def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], line: str) -> None:
+def test_what_does_not_fit_is_named_with_its_path(name, texts, line):
     with pytest.raises(ValueMismatch) as caught:
         draft_from_values(message_class(name), texts)
     assert str(caught.value) == line
@@ -333,20 +333,20 @@ def test_what_does_not_fit_is_named_with_its_path(name: str, texts: list[str], l
         ("a\n---\nb", "2 YAML documents where one value is expected"),
     ],
 )
-def test_bad_yaml_is_named_with_its_place(text: str, line: str) -> None:
+def test_bad_yaml_is_named_with_its_place(text, line):
     with pytest.raises(ValueMismatch) as caught:
         parse_values([text])
     assert str(caught.value) == line
 
 
-def test_aliases_may_not_fill_the_memory() -> None:
+def test_aliases_may_not_fill_the_memory():
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 10)]
     with raises_saying(ValueMismatch, "aliases", "100000"):
         parse_values(["\n".join(lines)])
 
 
-def test_a_wrong_document_is_named_with_its_line_after_those_before_it() -> None:
+def test_a_wrong_document_is_named_with_its_line_after_those_before_it():
     lines = ["data: 1", "---", "# more", "data: x", "---", "data: 3"]
     drafts = drafts_from_lines(std_msgs.Int8, lines)
     assert next(drafts)
@@ -363,7 +363,7 @@ def test_a_wrong_document_is_named_with_its_line_after_those_before_it() -> None
         (['{"data": 2', '{"data": 3}'], "document 2: bad YAML at line 4, column 1: did not find"),
     ],
 )
-def test_bad_yaml_in_a_text_is_named_with_its_place(lines: list[str], error: str) -> None:
+def test_bad_yaml_in_a_text_is_named_with_its_place(lines, error):
     drafts = drafts_from_lines(std_msgs.Int8, ["data: 1", "---", *lines])
     assert next(drafts)
     with pytest.raises(ValueMismatch, match=error):
@@ -388,9 +388,7 @@ def test_bad_yaml_in_a_text_is_named_with_its_place(lines: list[str], error: str
         (VECTOR, ["1", "2"], ""),
     ],
 )
-def test_what_the_shell_has_taken_apart_is_recognised(
-    name: str, texts: list[str], hint: str
-) -> None:
+def test_what_the_shell_has_taken_apart_is_recognised(name, texts, hint):
     with pytest.raises(ValueMismatch) as caught:
         draft_from_values(message_class(name), texts)
     assert caught.value.hint == hint
@@ -404,6 +402,6 @@ def test_what_the_shell_has_taken_apart_is_recognised(
         max_size=2,
     ),
 )
-def test_whatever_is_typed_gives_a_message_or_a_value_mismatch(name: str, texts: list[str]) -> None:
+def test_whatever_is_typed_gives_a_message_or_a_value_mismatch(name, texts):
     with contextlib.suppress(ValueMismatch):
         encode(draft_from_values(message_class(name), texts).message)

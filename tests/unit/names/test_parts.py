@@ -21,7 +21,7 @@ from lcmtools import names
         ("/", False),
     ],
 )
-def test_a_part_that_starts_with_an_underscore_hides_a_name(name: str, *, hidden: bool) -> None:
+def test_a_part_that_starts_with_an_underscore_hides_a_name(name, *, hidden):
     assert names.is_hidden(name) is hidden
 
 
@@ -34,7 +34,7 @@ def test_a_part_that_starts_with_an_underscore_hides_a_name(name: str, *, hidden
         ("EXAMPLE", "/", "EXAMPLE"),
     ],
 )
-def test_a_full_name_has_a_namespace_and_a_base(name: str, namespace: str, base: str) -> None:
+def test_a_full_name_has_a_namespace_and_a_base(name, namespace, base):
     assert names.namespace_of(name) == namespace
     assert names.base_name_of(name) == base
 
@@ -55,13 +55,11 @@ def test_a_full_name_has_a_namespace_and_a_base(name: str, namespace: str, base:
         ("", "/", [""]),
     ],
 )
-def test_a_topic_that_is_read_is_the_channel_or_the_topic(
-    name: str, namespace: str, expected: list[str]
-) -> None:
+def test_a_topic_that_is_read_is_the_channel_or_the_topic(name, namespace, expected):
     assert list(names.spellings(name, namespace)) == expected
 
 
-def test_a_near_miss_is_suggested() -> None:
+def test_a_near_miss_is_suggested():
     assert names.did_you_mean("udmp", ["udpm", "tcpq"]) == "did you mean udpm?"
     assert names.did_you_mean("CHATER", ["/chatter", "/scan"]) == "did you mean /chatter?"
     assert names.did_you_mean("position", ["friction", "size"]) == ""
@@ -70,14 +68,14 @@ def test_a_near_miss_is_suggested() -> None:
     assert names.did_you_mean("memq", ["memq", "mema"]) == "did you mean mema?"
 
 
-def test_a_shared_namespace_makes_no_name_nearer() -> None:
+def test_a_shared_namespace_makes_no_name_nearer():
     assert names.did_you_mean("/husky0/evaluation_stat", ["/husky0/ground_truth"]) == ""
     near = names.did_you_mean("/husky0/odom", ["/husky0/ground_truth", "/husky0/odometry"])
     assert near == "did you mean /husky0/odometry?"
     assert names.did_you_mean("/cmd_vel", ["/husky0/cmd_vel"]) == "did you mean /husky0/cmd_vel?"
 
 
-def test_the_closest_names_come_best_first() -> None:
+def test_the_closest_names_come_best_first():
     assert names.closest("/chatter", ["/chatter2", "/chatters_x", "/scan"], 2) == [
         "/chatter2",
         "/chatters_x",

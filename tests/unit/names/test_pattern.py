@@ -36,9 +36,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("pattern", "name", "matches"), CASES)
-def test_a_pattern_means_the_same_in_every_command(
-    pattern: str, name: str, *, matches: bool
-) -> None:
+def test_a_pattern_means_the_same_in_every_command(pattern, name, *, matches):
     assert Pattern(pattern).matches(name) == matches
     assert ChannelSelection((pattern,)).has(name) == matches  # spy
     assert is_meant(name, pattern, is_topic=True) == (matches or is_hidden(name))  # graph
@@ -64,7 +62,7 @@ def test_a_pattern_means_the_same_in_every_command(
         ("/a/_b", "/a/_b/c", True),
     ],
 )
-def test_a_namespace_covers_everything_below(pattern: str, name: str, *, covers: bool) -> None:
+def test_a_namespace_covers_everything_below(pattern, name, *, covers):
     assert Pattern(pattern).covers(name) == covers
 
 
@@ -80,23 +78,23 @@ def test_a_namespace_covers_everything_below(pattern: str, name: str, *, covers:
         ("*", "/_tool", False),
     ],
 )
-def test_one_part_means_a_nodes_last_part_too(pattern: str, name: str, *, means: bool) -> None:
+def test_one_part_means_a_nodes_last_part_too(pattern, name, *, means):
     assert Pattern(pattern).means_node(name) == means
 
 
-def test_a_relative_pattern_is_resolved_in_the_namespace_too() -> None:
+def test_a_relative_pattern_is_resolved_in_the_namespace_too():
     pattern = Pattern("odo*", "/husky0")
     assert pattern.matches("/husky0/odometry")
     assert pattern.matches("odometry")
     assert not pattern.matches("/odometry")
 
 
-def test_hidden_names_are_matched_where_they_are_wanted() -> None:
+def test_hidden_names_are_matched_where_they_are_wanted():
     assert Pattern("/*", hidden=True).matches("/_tool")
     assert Pattern("/a", hidden=True).covers("/a/_b")
 
 
-def test_wildcards_are_stars_and_question_marks() -> None:
+def test_wildcards_are_stars_and_question_marks():
     assert has_wildcard("/a*")
     assert has_wildcard("/a?")
     assert not has_wildcard("/a[0]")

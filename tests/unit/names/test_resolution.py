@@ -35,7 +35,7 @@ _NODE = "/husky0/driver"
         ("/1", "/1"),
     ],
 )
-def test_a_name_resolves_by_the_ros_rules(name: str, expected: str) -> None:
+def test_a_name_resolves_by_the_ros_rules(name, expected):
     assert names.resolve(name, "/husky0", _NODE) == expected
 
 
@@ -43,7 +43,7 @@ def test_a_name_resolves_by_the_ros_rules(name: str, expected: str) -> None:
     ("namespace", "expected"),
     [("/", "/a"), ("", "/a"), ("/x", "/x/a"), ("/x/", "/x/a"), ("/x/y", "/x/y/a"), ("//x", "/x/a")],
 )
-def test_a_relative_name_stands_in_any_namespace(namespace: str, expected: str) -> None:
+def test_a_relative_name_stands_in_any_namespace(namespace, expected):
     assert names.resolve("a", namespace) == expected
 
 
@@ -55,20 +55,20 @@ def test_a_relative_name_stands_in_any_namespace(namespace: str, expected: str) 
         "\u017f", "/\u0663",  # a long s, and a digit three: letter and digit to Unicode
     ],
 )  # fmt: skip
-def test_an_illegal_name_is_refused_with_the_rule(name: str) -> None:
+def test_an_illegal_name_is_refused_with_the_rule(name):
     with pytest.raises(InvalidName) as caught:
         names.resolve(name, "/husky0", _NODE)
     assert f"'{name}'" in caught.value.what
     assert "letters, digits" in caught.value.hint
 
 
-def test_a_private_name_without_a_node_is_refused() -> None:
+def test_a_private_name_without_a_node_is_refused():
     with pytest.raises(InvalidName, match="private, and there is no node"):
         names.resolve("~gain")
 
 
 @pytest.mark.parametrize("name", ["”/camera/depth/image_raw”", "“a”"])
-def test_quotation_marks_of_a_printed_text_are_named(name: str) -> None:
+def test_quotation_marks_of_a_printed_text_are_named(name):
     with pytest.raises(InvalidName) as raised:
         names.resolve(name)
     assert_says(str(raised.value), name, "quotation marks as a printed text has them", "leave them")
@@ -77,12 +77,12 @@ def test_quotation_marks_of_a_printed_text_are_named(name: str) -> None:
 @pytest.mark.parametrize(
     ("given_name", "expected"), [("", "/"), ("/", "/"), ("husky0", "/husky0"), ("/a//b/", "/a/b")]
 )
-def test_a_namespace_becomes_global(given_name: str, expected: str) -> None:
+def test_a_namespace_becomes_global(given_name, expected):
     assert names.resolve_namespace(given_name) == expected
 
 
 @pytest.mark.parametrize("given_name", ["~a", "1a", "a b", "é"])
-def test_an_illegal_namespace_is_refused(given_name: str) -> None:
+def test_an_illegal_namespace_is_refused(given_name):
     with pytest.raises(InvalidName):
         names.resolve_namespace(given_name)
 
@@ -112,13 +112,11 @@ def test_an_illegal_namespace_is_refused(given_name: str) -> None:
         ([("a", "a")], "a", "/husky0/a"),
     ],
 )
-def test_remaps_follow_the_ros_rules(
-    remaps: list[tuple[str, str]], name: str, expected: str
-) -> None:
+def test_remaps_follow_the_ros_rules(remaps, name, expected):
     assert Resolver("/husky0", _NODE, tuple(remaps)).resolve(name) == expected
 
 
-def test_an_illegal_remap_target_is_refused_when_it_is_used() -> None:
+def test_an_illegal_remap_target_is_refused_when_it_is_used():
     resolver = Resolver("/", "/driver", (("a", "b c"),))
     assert resolver.resolve("other") == "/other"
     with pytest.raises(InvalidName, match="'b c'"):
@@ -126,12 +124,12 @@ def test_an_illegal_remap_target_is_refused_when_it_is_used() -> None:
 
 
 @pytest.mark.parametrize("length", [1, 62, 63])
-def test_a_topic_of_up_to_63_bytes_is_accepted(length: int) -> None:
+def test_a_topic_of_up_to_63_bytes_is_accepted(length):
     name = "/" + "a" * (length - 1) if length > 1 else "/"
     assert Resolver("/", "/n").resolve(name) == name
 
 
-def test_a_topic_of_64_bytes_is_refused_with_what_was_written() -> None:
+def test_a_topic_of_64_bytes_is_refused_with_what_was_written():
     resolver = Resolver("/husky0", _NODE)
     with pytest.raises(InvalidName) as caught:
         resolver.resolve("a" * 56)
@@ -141,7 +139,7 @@ def test_a_topic_of_64_bytes_is_refused_with_what_was_written() -> None:
     assert "shorter" in caught.value.hint
 
 
-def test_a_remapped_topic_is_measured_after_the_remap() -> None:
+def test_a_remapped_topic_is_measured_after_the_remap():
     resolver = Resolver("/", "/n", (("a" * 80, "b"), ("c", "d" * 80)))
     assert resolver.resolve("a" * 80) == "/b"
     with pytest.raises(InvalidName, match="81 bytes"):
@@ -164,7 +162,7 @@ def test_a_remapped_topic_is_measured_after_the_remap() -> None:
         ("\ud800", False),
     ],
 )
-def test_a_literal_channel_is_limited_by_its_bytes_only(channel: str, *, fits: bool) -> None:
+def test_a_literal_channel_is_limited_by_its_bytes_only(channel, *, fits):
     if fits:
         assert names.check_length(channel) == channel
     else:
@@ -173,17 +171,17 @@ def test_a_literal_channel_is_limited_by_its_bytes_only(channel: str, *, fits: b
 
 
 @pytest.mark.parametrize("name", ["a", "A1", "driver_2", "_hidden"])
-def test_a_base_name_is_accepted(name: str) -> None:
+def test_a_base_name_is_accepted(name):
     names.check_base_name(name)
 
 
 @pytest.mark.parametrize("name", ["", "/a", "a/b", "1a", "a b", "~a", "é", "a\n", "a-b"])
-def test_a_base_name_with_anything_else_is_refused(name: str) -> None:
+def test_a_base_name_with_anything_else_is_refused(name):
     with pytest.raises(InvalidName, match="not a legal node name"):
         names.check_base_name(name)
 
 
-def test_a_name_error_is_a_usage_error() -> None:
+def test_a_name_error_is_a_usage_error():
     assert issubclass(InvalidName, UsageError)
     assert InvalidName.exit_code == 2
 
@@ -191,7 +189,7 @@ def test_a_name_error_is_a_usage_error() -> None:
 @given(
     st.text("ab/~_1", max_size=20), st.text("ab/", max_size=8), st.text("ab/", max_size=8)
 )  # fmt: skip
-def test_what_resolves_is_canonical_and_stays_as_it_is(name: str, space: str, node: str) -> None:
+def test_what_resolves_is_canonical_and_stays_as_it_is(name, space, node):
     namespace = names.resolve_namespace(space)
     try:
         resolved = names.resolve(name, namespace, names.resolve(node))

@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
 
 import pytest
 from fixtures.fake_bus import FakeBus
@@ -10,29 +9,23 @@ from fixtures.fake_bus import FakeBus
 import lcmtools.node.process
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
-from lcmtools.bus.records import NodeRecords
 from lcmtools.node.context import Context
 from lcmtools.types.std_srvs import SetBool
 
 
 @pytest.fixture
-def bus() -> FakeBus:
+def bus():
     """The bus that ``begin`` takes when it is given none."""
     return FakeBus()
 
 
 @pytest.fixture
-def begin(bus: FakeBus, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Context]]:
+def begin(bus, monkeypatch):
     """``begin(*words, environment={}, bus=..., records=None)``: what lcmtools.init() does."""
-    opened: list[Context] = []
+    opened = []
     own_bus = bus
 
-    def open_context(
-        *words: str,
-        environment: Mapping[str, str] | None = None,
-        bus: FakeBus | None = None,
-        records: NodeRecords | None = None,
-    ) -> Context:
+    def open_context(*words, environment=None, bus=None, records=None):
         said, _ = split_arguments(words)
         context = Context(bus or own_bus, said, environment or {}, records)
         opened.append(context)
@@ -45,17 +38,17 @@ def begin(bus: FakeBus, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..
 
 
 @pytest.fixture
-def serve() -> Iterator[Callable[[Node], None]]:
+def serve():
     """Spins a node on a thread of its own until the test ends."""
     stop = threading.Event()
-    threads: list[threading.Thread] = []
+    threads = []
 
-    def spin(node: Node) -> None:
+    def spin(node):
         while not stop.is_set():
             node.callbacks.run_ready()
             time.sleep(0.001)
 
-    def start(node: Node) -> None:
+    def start(node):
         threads.append(threading.Thread(target=spin, args=[node]))
         threads[-1].start()
 
@@ -66,11 +59,11 @@ def serve() -> Iterator[Callable[[Node], None]]:
 
 
 @pytest.fixture
-def logged(capsys: pytest.CaptureFixture[str]) -> Callable[[str], bool]:
+def logged(capsys):
     """Return whether a text has been logged so far; a server logs after it has replied."""
-    log: list[str] = []
+    log = []
 
-    def is_logged(text: str) -> bool:
+    def is_logged(text):
         log.append(capsys.readouterr().err)
         return text in "".join(log)
 
@@ -85,18 +78,18 @@ class SwitchServer:
         calls: What the callback was told.
     """
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.node = Node("server")
-        self.calls: list[bool] = []
+        self.calls = []
         self.node.create_service(SetBool, "switch", self._answer)
 
-    def _answer(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+    def _answer(self, request, response):
         self.calls.append(request.data)
         response.success, response.message = request.data, f"call {len(self.calls)}"
         return response
 
 
 @pytest.fixture
-def start_switch() -> type[SwitchServer]:
+def start_switch():
     """Makes a SwitchServer in the context that ``begin`` made."""
     return SwitchServer

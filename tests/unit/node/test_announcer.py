@@ -3,7 +3,6 @@
 import sys
 import threading
 import time
-from collections.abc import Callable
 
 import pytest
 from fixtures.fake_bus import FakeBus
@@ -15,32 +14,25 @@ from lcmtools.graph.protocol import (
     ANSWER_SPREAD,
     NODE_CHANNEL,
     PROBE_CHANNEL,
-    Announcement,
     Probe,
     decode_announcement,
     encode_probe,
 )
 from lcmtools.node.announcer import Announcer
-from lcmtools.node.context import Context
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
 
-Begin = Callable[..., Context]
-WaitUntil = Callable[..., None]
 
-
-def _announced(bus: FakeBus) -> list[Announcement]:
+def _announced(bus):
     payloads = [payload for channel, payload in tuple(bus.published) if channel == NODE_CHANNEL]
     return [found for payload in payloads if (found := decode_announcement(payload))]
 
 
-def _probe(bus: FakeBus, target: str = "", nonce: int = 0) -> None:
+def _probe(bus, target="", nonce=0):
     bus.publish(PROBE_CHANNEL, encode_probe(Probe(target, nonce)))
 
 
-def test_a_new_node_is_announced_at_once_with_all_that_it_is(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil
-) -> None:
+def test_a_new_node_is_announced_at_once_with_all_that_it_is(begin, bus, wait_until):
     begin("__ns:=/husky0")
     node = Node("driver")
     node.create_publisher(String, "chatter", 7)
@@ -56,9 +48,7 @@ def test_a_new_node_is_announced_at_once_with_all_that_it_is(
     ]
 
 
-def test_a_node_is_announced_each_period(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_node_is_announced_each_period(begin, bus, wait_until, monkeypatch):
     monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.01)
     begin()
     Node("a")
@@ -66,17 +56,17 @@ def test_a_node_is_announced_each_period(
 
 
 def test_rates_are_announced_while_messages_come_and_not_afterwards(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    begin, bus, wait_until, monkeypatch
+):
     monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.05)
     begin()
     publisher = Node("a").create_publisher(String, "/chatter")
 
-    def rate() -> float:
+    def rate():
         ends = [end for announced in _announced(bus)[-1:] for end in announced.node.endpoints]
         return next((end.rate for end in ends if end.topic == "/chatter"), 0.0)
 
-    def rate_of_messages() -> float:
+    def rate_of_messages():
         publisher.publish(String())
         return rate()
 
@@ -84,9 +74,7 @@ def test_rates_are_announced_while_messages_come_and_not_afterwards(
     wait_until(lambda: not rate())
 
 
-def test_a_probe_of_all_is_answered_with_its_nonce(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil
-) -> None:
+def test_a_probe_of_all_is_answered_with_its_nonce(begin, bus, wait_until):
     begin()
     Node("a")
     Node("b")
@@ -94,9 +82,7 @@ def test_a_probe_of_all_is_answered_with_its_nonce(
     wait_until(lambda: {a.node.name for a in _announced(bus) if a.answers == 42} == {"/a", "/b"})
 
 
-def test_a_probe_of_one_is_answered_by_that_one_before_the_probe_returns(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_a_probe_of_one_is_answered_by_that_one_before_the_probe_returns(begin, bus):
     begin()
     Node("a")
     Node("b")
@@ -105,9 +91,7 @@ def test_a_probe_of_one_is_answered_by_that_one_before_the_probe_returns(
     assert [a.node.name for a in _announced(bus) if a.answers] == ["/b"]
 
 
-def test_many_probes_of_one_node_get_few_answers_with_the_last_number(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil
-) -> None:
+def test_many_probes_of_one_node_get_few_answers_with_the_last_number(begin, bus, wait_until):
     begin()
     Node("a")
     Node("b")
@@ -124,7 +108,7 @@ def test_many_probes_of_one_node_get_few_answers_with_the_last_number(
 
 
 @pytest.mark.parametrize("payload", [b"", b"nonsense", encode_probe(Probe("/a", 1))[:-1]])
-def test_a_broken_probe_is_passed_over(begin: Begin, bus: FakeBus, payload: bytes) -> None:
+def test_a_broken_probe_is_passed_over(begin, bus, payload):
     begin()
     Node("a")
     bus.publish(PROBE_CHANNEL, payload)
@@ -132,7 +116,7 @@ def test_a_broken_probe_is_passed_over(begin: Begin, bus: FakeBus, payload: byte
     assert [a.answers for a in _announced(bus) if a.answers] == [5]
 
 
-def test_a_destroyed_node_says_goodbye_once(begin: Begin, bus: FakeBus) -> None:
+def test_a_destroyed_node_says_goodbye_once(begin, bus):
     begin()
     node = Node("a")
     node.destroy_node()
@@ -140,7 +124,7 @@ def test_a_destroyed_node_says_goodbye_once(begin: Begin, bus: FakeBus) -> None:
     assert [a.node.name for a in _announced(bus) if a.leaving] == ["/a"]
 
 
-def test_closing_says_goodbye_for_every_node(begin: Begin, bus: FakeBus) -> None:
+def test_closing_says_goodbye_for_every_node(begin, bus):
     context = begin()
     for name in "abc":
         Node(name)
@@ -148,12 +132,12 @@ def test_closing_says_goodbye_for_every_node(begin: Begin, bus: FakeBus) -> None
     assert [a.node.name for a in _announced(bus) if a.leaving] == ["/a", "/b", "/c"]
 
 
-def test_nothing_is_announced_after_the_goodbye(begin: Begin, bus: FakeBus) -> None:
+def test_nothing_is_announced_after_the_goodbye(begin, bus):
     """However busily the bus asks meanwhile."""
     begin()
     stop = threading.Event()
 
-    def ask() -> None:
+    def ask():
         while not stop.is_set():
             _probe(bus)
             for name in ("/n0", "/n1", "/n2"):
@@ -165,7 +149,7 @@ def test_nothing_is_announced_after_the_goodbye(begin: Begin, bus: FakeBus) -> N
         Node(f"n{turn % 3}").destroy_node()
     stop.set()
     asker.join()
-    left: set[str] = set()
+    left = set()
     for announcement in _announced(bus):
         assert announcement.node.id not in left
         if announcement.leaving:
@@ -178,15 +162,13 @@ class _Refusing(FakeBus):
 
     takes = False
 
-    def deliver(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel, payload):
         if channel == NODE_CHANNEL and not self.takes:
             raise BusError("the network is down")
         super().deliver(channel, payload)
 
 
-def test_announcing_goes_on_when_the_network_comes_back(
-    begin: Begin, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_announcing_goes_on_when_the_network_comes_back(begin, wait_until, monkeypatch):
     monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.01)
     bus = _Refusing()
     begin(bus=bus)
@@ -197,13 +179,11 @@ def test_announcing_goes_on_when_the_network_comes_back(
     node.destroy_node()
 
 
-def test_a_node_that_takes_long_to_describe_is_announced_seldom_while_it_is_set_up(
-    bus: FakeBus,
-) -> None:
+def test_a_node_that_takes_long_to_describe_is_announced_seldom_while_it_is_set_up(bus):
     """A node with a thousand endpoints did little else while they were made."""
-    described: list[None] = []
+    described = []
 
-    def describe() -> list[model.Node]:
+    def describe():
         end = time.thread_time() + 0.02
         while time.thread_time() < end:
             pass
@@ -219,14 +199,12 @@ def test_a_node_that_takes_long_to_describe_is_announced_seldom_while_it_is_set_
     assert 1 <= len(described) <= 5
 
 
-def test_a_node_that_rests_after_a_long_description_answers_who_asks(
-    bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_node_that_rests_after_a_long_description_answers_who_asks(bus, wait_until, monkeypatch):
     monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 600.0)
     monkeypatch.setattr("lcmtools.node.announcer._REST", 1e9)
-    described: list[None] = []
+    described = []
 
-    def describe() -> list[model.Node]:
+    def describe():
         described.append(None)
         return []
 
@@ -238,15 +216,13 @@ def test_a_node_that_rests_after_a_long_description_answers_who_asks(
     announcer.close()
 
 
-def test_a_node_that_was_held_up_answers_twice_who_asked_twice(
-    bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_node_that_was_held_up_answers_twice_who_asked_twice(bus, wait_until, monkeypatch):
     """A command asks twice since one answer may be lost; two are enough for any number."""
     monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 600.0)
-    described: list[None] = []
+    described = []
     goes_on = threading.Event()
 
-    def describe() -> list[model.Node]:
+    def describe():
         described.append(None)
         goes_on.wait()
         return []
@@ -263,9 +239,7 @@ def test_a_node_that_was_held_up_answers_twice_who_asked_twice(
     assert len(described) == 4
 
 
-def test_a_command_line_that_is_not_utf8_is_announced(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_command_line_that_is_not_utf8_is_announced(begin, bus, wait_until, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["node", "file\udcff"])
     begin()
     Node("a")
@@ -274,8 +248,8 @@ def test_a_command_line_that_is_not_utf8_is_announced(
 
 
 def test_a_command_line_without_end_is_announced_in_one_datagram(
-    begin: Begin, bus: FakeBus, wait_until: WaitUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    begin, bus, wait_until, monkeypatch
+):
     monkeypatch.setattr(sys, "argv", ["node", *["--word"] * 100_000])
     begin()
     Node("a")
@@ -284,9 +258,7 @@ def test_a_command_line_without_end_is_announced_in_one_datagram(
     assert max(len(payload) for channel, payload in bus.published) < 10_000
 
 
-def test_who_is_called_knows_before_what_this_program_listens_to(
-    begin: Begin, bus: FakeBus, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_who_is_called_knows_before_what_this_program_listens_to(begin, bus, monkeypatch):
     monkeypatch.setattr(Announcer, "_run", lambda _: None)  # it may always come later
     begin()
     node = Node("tester")
@@ -303,14 +275,12 @@ def test_who_is_called_knows_before_what_this_program_listens_to(
     assert "/odometry" in [endpoint.topic for endpoint in announced.node.endpoints]
 
 
-def test_a_fault_of_one_announcement_is_reported_and_the_next_is_made(
-    bus: FakeBus, wait_until: WaitUntil
-) -> None:
-    reports: list[str] = []
+def test_a_fault_of_one_announcement_is_reported_and_the_next_is_made(bus, wait_until):
+    reports = []
     bus.on_outage = reports.append
     node, faults = model.Node("/a", "1", "here", 1), [OSError(28, "No space left on device")]
 
-    def describe() -> list[model.Node]:
+    def describe():
         if faults:
             raise faults.pop()
         return [node]

@@ -2,8 +2,6 @@
 
 import threading
 import time
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.says import raises_saying
@@ -11,21 +9,17 @@ from fixtures.says import raises_saying
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import UsageError
-from lcmtools.node.context import Context
 from lcmtools.types.std_srvs import Trigger
-
-Begin = Callable[..., Context]
-WaitUntil = Callable[..., None]
 
 
 @pytest.fixture
-def node(begin: Begin) -> Node:
+def node(begin):
     begin()
     return Node("notebook")
 
 
-def test_callbacks_run_beside_the_program_until_stop(node: Node, wait_until: WaitUntil) -> None:
-    threads: list[int] = []
+def test_callbacks_run_beside_the_program_until_stop(node, wait_until):
+    threads = []
     node.create_timer(0.001, lambda: threads.append(threading.get_ident()))
     with lcmtools.spin_in_background(node) as spin:
         wait_until(lambda: len(threads) > 2)
@@ -39,7 +33,7 @@ def test_callbacks_run_beside_the_program_until_stop(node: Node, wait_until: Wai
     spin.stop()
 
 
-def test_a_cell_that_is_executed_again_starts_nothing_twice(node: Node) -> None:
+def test_a_cell_that_is_executed_again_starts_nothing_twice(node):
     first = lcmtools.spin_in_background(node)
     assert lcmtools.spin_in_background(node) is first
     first.stop()
@@ -48,7 +42,7 @@ def test_a_cell_that_is_executed_again_starts_nothing_twice(node: Node) -> None:
     assert second.is_running()
 
 
-def test_shutdown_ends_it_and_a_new_node_begins_anew() -> None:
+def test_shutdown_ends_it_and_a_new_node_begins_anew():
     for _ in range(3):  # a notebook's cell, executed again
         lcmtools.shutdown()
         lcmtools.init([], url="memq://", handle_signals=False)
@@ -58,8 +52,8 @@ def test_shutdown_ends_it_and_a_new_node_begins_anew() -> None:
     assert not spin.is_running()
 
 
-def test_a_callback_may_stop_it_or_shut_down(node: Node, wait_until: WaitUntil) -> None:
-    spins: list[Any] = []
+def test_a_callback_may_stop_it_or_shut_down(node, wait_until):
+    spins = []
     stopping = node.create_timer(0.001, lambda: [spin.stop() for spin in spins])
     spins.append(lcmtools.spin_in_background(node))
     wait_until(lambda: not spins[0].is_running())
@@ -70,12 +64,10 @@ def test_a_callback_may_stop_it_or_shut_down(node: Node, wait_until: WaitUntil) 
     assert node.is_destroyed
 
 
-def test_an_exception_is_logged_and_it_goes_on(
-    node: Node, wait_until: WaitUntil, capsys: pytest.CaptureFixture[str]
-) -> None:
-    calls: list[float] = []
+def test_an_exception_is_logged_and_it_goes_on(node, wait_until, capsys):
+    calls = []
 
-    def fail() -> None:
+    def fail():
         calls.append(time.monotonic())
         raise ValueError("no such wheel")
 
@@ -85,8 +77,8 @@ def test_an_exception_is_logged_and_it_goes_on(
     assert "ValueError: no such wheel" in capsys.readouterr().err
 
 
-def test_a_program_calls_a_service_of_its_own_node_in_the_background(node: Node) -> None:
-    def answer(_: Any, response: Any) -> Any:
+def test_a_program_calls_a_service_of_its_own_node_in_the_background(node):
+    def answer(_, response):
         response.message = "done"
         return response
 
@@ -96,14 +88,14 @@ def test_a_program_calls_a_service_of_its_own_node_in_the_background(node: Node)
         assert client.call(Trigger.Request(), timeout=5.0).message == "done"
 
 
-def test_a_new_timer_wakes_the_waiting_thread(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
-    woken: list[bool] = []
+def test_a_new_timer_wakes_the_waiting_thread(node, monkeypatch):
+    woken = []
     monkeypatch.setattr(node.context, "wake", lambda: woken.append(True))
     node.create_timer(1.0, print)
     assert woken == [True]
 
 
-def test_it_ends_with_its_nodes(node: Node, wait_until: WaitUntil) -> None:
+def test_it_ends_with_its_nodes(node, wait_until):
     other = Node("other")
     spin = lcmtools.spin_in_background(node, other)
     node.destroy_node()
@@ -112,11 +104,11 @@ def test_it_ends_with_its_nodes(node: Node, wait_until: WaitUntil) -> None:
     wait_until(lambda: not spin.is_running())
 
 
-def test_what_cannot_spin_is_refused(node: Node) -> None:
+def test_what_cannot_spin_is_refused(node):
     with raises_saying(UsageError, "no node to run", "lcmtools.spin_in_background(node)"):
         lcmtools.spin_in_background()
     with raises_saying(UsageError, "lcmtools.spin_in_background needs a node"):
-        lcmtools.spin_in_background("node")  # type: ignore[arg-type]
+        lcmtools.spin_in_background("node")
     with lcmtools.spin_in_background(node):
         with raises_saying(UsageError, "lcmtools.spin(/notebook) runs already"):
             lcmtools.spin(node)

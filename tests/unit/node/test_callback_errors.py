@@ -2,31 +2,25 @@
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fixtures.fake_bus import FakeBus
 from fixtures.says import assert_says
 
 import lcmtools
 from lcmtools import Node, Parameter
 from lcmtools.clock import NANOSECONDS
-from lcmtools.graph.model import CallbackError
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.messages.codec import decode, encode
 from lcmtools.node import callbacks
 from lcmtools.node.callback_errors import place_of
-from lcmtools.node.context import Context
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
 
-Begin = Callable[..., Context]
-
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+def clock(monkeypatch):
     """The present of the timers and of the log's pauses [ns]."""
     now = [0]
     monkeypatch.setattr(callbacks.time, "monotonic_ns", lambda: now[0])
@@ -34,17 +28,15 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return now
 
 
-def _errors(node: Node) -> list[CallbackError]:
+def _errors(node):
     return list(node.describe().errors)
 
 
-def _fail() -> None:
+def _fail():
     raise AttributeError("no wheels\nat all")
 
 
-def test_one_traceback_then_a_line_at_growing_intervals_then_the_rest(
-    begin: Begin, clock: list[int], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_one_traceback_then_a_line_at_growing_intervals_then_the_rest(begin, clock, capsys):
     begin()
     node = Node("a")
     node.create_timer(0.02, _fail)
@@ -64,7 +56,7 @@ def test_one_traceback_then_a_line_at_growing_intervals_then_the_rest(
     assert capsys.readouterr().err == ""
 
 
-def test_rosout_has_an_error_once(begin: Begin, bus: FakeBus, clock: list[int]) -> None:
+def test_rosout_has_an_error_once(begin, bus, clock):
     begin()
     node = Node("a")
     node.create_timer(1.0, _fail)
@@ -81,9 +73,7 @@ def test_rosout_has_an_error_once(begin: Begin, bus: FakeBus, clock: list[int]) 
     assert error.place.startswith("test_callback_errors.py:")
 
 
-def test_the_traceback_begins_in_the_users_code(
-    begin: Begin, clock: list[int], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_traceback_begins_in_the_users_code(begin, clock, capsys):
     begin()
     node = Node("a")
     node.create_timer(1.0, _fail)
@@ -93,13 +83,11 @@ def test_the_traceback_begins_in_the_users_code(
     assert [Path(file).name for file in files] == ["test_callback_errors.py"]
 
 
-def test_each_callback_and_each_line_is_an_error_of_its_own(
-    begin: Begin, bus: FakeBus, clock: list[int]
-) -> None:
+def test_each_callback_and_each_line_is_an_error_of_its_own(begin, bus, clock):
     begin()
     node = Node("a")
 
-    def parse(message: String) -> None:
+    def parse(message):
         json.loads(message.data)
 
     node.create_subscription(String, "chatter", parse)
@@ -119,17 +107,15 @@ def test_each_callback_and_each_line_is_an_error_of_its_own(
     assert by_callback["timer 1 s"].message == "no wheels"
 
 
-def test_an_error_in_a_service_and_in_a_parameter_callback_is_counted(
-    begin: Begin, serve: Callable[[Node], None], wait_until: Callable[..., None]
-) -> None:
+def test_an_error_in_a_service_and_in_a_parameter_callback_is_counted(begin, serve, wait_until):
     begin()
     node = Node("a")
     node.declare_parameter("gain", 1.0)
 
-    def refuse(_: object) -> None:
+    def refuse(_):
         raise KeyError("gain")
 
-    def fail(_request: Trigger.Request, _response: Trigger.Response) -> Trigger.Response:
+    def fail(_request, _response):
         raise OSError("no power")
 
     node.add_on_set_parameters_callback(refuse)
@@ -144,16 +130,14 @@ def test_an_error_in_a_service_and_in_a_parameter_callback_is_counted(
     assert len(_errors(node)) == 1
 
 
-def test_a_service_that_returns_nothing_is_an_error_at_its_beginning(
-    begin: Begin, serve: Callable[[Node], None], wait_until: Callable[..., None]
-) -> None:
+def test_a_service_that_returns_nothing_is_an_error_at_its_beginning(begin, serve, wait_until):
     begin()
     node = Node("a")
 
-    def forget(_request: Trigger.Request, _response: Trigger.Response) -> None:
+    def forget(_request, _response):
         """Return nothing."""
 
-    node.create_service(Trigger, "reset", forget)  # type: ignore[arg-type]
+    node.create_service(Trigger, "reset", forget)
     serve(node)
     with pytest.raises(lcmtools.LcmtoolsError, match="returned None"):
         Node("b").create_client(Trigger, "reset").call(Trigger.Request())
@@ -163,16 +147,14 @@ def test_a_service_that_returns_nothing_is_an_error_at_its_beginning(
     assert_says(error.message, "; ", "return response")
 
 
-def test_the_first_error_is_announced_at_once(
-    begin: Begin, bus: FakeBus, wait_until: Callable[..., None]
-) -> None:
+def test_the_first_error_is_announced_at_once(begin, bus, wait_until):
     begin()
     node = Node("a")
     node.create_subscription(String, "chatter", lambda message: message.text)
     bus.publish("/chatter", encode(String()))
     lcmtools.spin_once(node)
 
-    def announced() -> bool:
+    def announced():
         payloads = [payload for channel, payload in bus.published if channel == NODE_CHANNEL]
         last = decode_announcement(payloads[-1]) if payloads else None
         return last is not None and "AttributeError" in [one.exception for one in last.node.errors]
@@ -180,12 +162,12 @@ def test_the_first_error_is_announced_at_once(
     wait_until(announced)
 
 
-def test_a_field_that_is_set_and_does_not_exist_is_explained(begin: Begin, bus: FakeBus) -> None:
+def test_a_field_that_is_set_and_does_not_exist_is_explained(begin, bus):
     begin()
     node = Node("a")
 
-    def answer(message: String) -> None:
-        message.dta = "x"  # type: ignore[attr-defined] # as said
+    def answer(message):
+        message.dta = "x"
 
     node.create_subscription(String, "chatter", answer)
     bus.publish("/chatter", encode(String()))
@@ -194,13 +176,11 @@ def test_a_field_that_is_set_and_does_not_exist_is_explained(begin: Begin, bus: 
     assert error.message == "String has no field 'dta' (fields: data); did you mean 'data'?"
 
 
-def test_no_text_of_an_exception_keeps_a_node_from_being_announced(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_no_text_of_an_exception_keeps_a_node_from_being_announced(begin, bus):
     begin()
     node = Node("a")
 
-    def fail(_: String) -> None:
+    def fail(_):
         raise ValueError("\udcff" + "x" * 1000)
 
     node.create_subscription(String, "chatter", fail)
@@ -211,15 +191,15 @@ def test_no_text_of_an_exception_keeps_a_node_from_being_announced(
     assert len(error.message) == 200
 
 
-def test_many_different_errors_are_bounded(begin: Begin, bus: FakeBus) -> None:
+def test_many_different_errors_are_bounded(begin, bus):
     begin()
     node = Node("a")
     program = "\n".join(f"def f{line}(_): raise ValueError" for line in range(200))
-    names: dict[str, Callable[[object], None]] = {}
+    names = {}
     exec(compile(program, "many.py", "exec"), names)  # noqa: S102 - the test's own text
     turns = iter(range(200))
 
-    def fail(message: String) -> None:
+    def fail(message):
         names[f"f{next(turns)}"](message)
 
     node.create_subscription(String, "chatter", fail)
@@ -229,7 +209,7 @@ def test_many_different_errors_are_bounded(begin: Begin, bus: FakeBus) -> None:
     assert [error.place for error in _errors(node)] == [f"many.py:{n}" for n in range(196, 201)]
 
 
-def test_without_a_frame_of_the_users_the_place_is_where_it_was_raised() -> None:
+def test_without_a_frame_of_the_users_the_place_is_where_it_was_raised():
     assert place_of(ValueError(), print) == ("", 0, "")
     with pytest.raises(ValueError, match="Expecting") as raised:
         json.loads("{")

@@ -2,12 +2,8 @@
 
 import os
 import threading
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
-from fixtures.fake_bus import FakeBus
 from fixtures.says import raises_saying
 
 import lcmtools
@@ -17,10 +13,7 @@ from lcmtools.bus.url import parse_url
 from lcmtools.errors import InvalidName, LcmtoolsError
 from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
 from lcmtools.messages.codec import encode
-from lcmtools.node.context import Context
 from lcmtools.types.std_msgs import String
-
-Begin = Callable[..., Context]
 
 
 @pytest.mark.parametrize(
@@ -44,13 +37,8 @@ Begin = Callable[..., Context]
     ],
 )
 def test_a_node_gets_its_name_and_topics_from_the_command_line(
-    begin: Begin,
-    words: list[str],
-    environment: dict[str, str],
-    coded: str,
-    name: str,
-    topic: str,
-) -> None:
+    begin, words, environment, coded, name, topic
+):
     begin(*words, environment=environment)
     node = Node("driver", namespace=coded)
     assert node.name == name
@@ -60,38 +48,38 @@ def test_a_node_gets_its_name_and_topics_from_the_command_line(
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "/a", "1a", "a b", "a.b", "é"])
-def test_an_illegal_node_name_is_refused(begin: Begin, name: str) -> None:
+def test_an_illegal_node_name_is_refused(begin, name):
     begin()
     with pytest.raises(InvalidName):
         Node(name)
 
 
 @pytest.mark.parametrize("words", [["__name:=a/b"], ["__ns:=a b"], ["__ns:=~a"], ["--name", "1"]])
-def test_an_illegal_name_on_the_command_line_is_refused(begin: Begin, words: list[str]) -> None:
+def test_an_illegal_name_on_the_command_line_is_refused(begin, words):
     begin(*words)
     with pytest.raises(InvalidName):
         Node("driver")
 
 
-def test_a_name_that_is_too_long_is_refused(begin: Begin) -> None:
+def test_a_name_that_is_too_long_is_refused(begin):
     begin(f"__ns:=/{'n' * 40}")
     with pytest.raises(InvalidName, match="63"):
         Node("d" * 40)
 
 
-def test_an_illegal_namespace_in_the_environment_is_refused(begin: Begin) -> None:
+def test_an_illegal_namespace_in_the_environment_is_refused(begin):
     with pytest.raises(InvalidName):
         begin(environment={"LCMTOOLS_NAMESPACE": "a b"})
 
 
-def test_a_name_on_the_command_line_is_the_first_nodes(begin: Begin) -> None:
+def test_a_name_on_the_command_line_is_the_first_nodes(begin):
     begin("__name:=bob", "__ns:=/x")
     assert [Node("a").name, Node("b").name] == ["/x/bob", "/x/b"]
 
 
-def test_two_nodes_of_a_process_speak_to_each_other(begin: Begin) -> None:
+def test_two_nodes_of_a_process_speak_to_each_other(begin):
     begin()
-    heard: list[str] = []
+    heard = []
     a, b = Node("a"), Node("b")
     publisher = a.create_publisher(String, "chatter")
     b.create_subscription(String, "chatter", lambda message: heard.append(message.data))
@@ -102,12 +90,12 @@ def test_two_nodes_of_a_process_speak_to_each_other(begin: Begin) -> None:
     assert heard == [""]
 
 
-def test_two_nodes_spin_together(begin: Begin) -> None:
+def test_two_nodes_spin_together(begin):
     context = begin()
     a, b, called = Node("a"), Node("b"), []
     a.create_timer(0.001, lambda: called.append("a"))
 
-    def last() -> None:
+    def last():
         called.append("b")
         if "a" in called:
             context.stop()
@@ -117,7 +105,7 @@ def test_two_nodes_spin_together(begin: Begin) -> None:
     assert {"a", "b"} == set(called)
 
 
-def test_a_node_is_a_context_manager(begin: Begin, bus: FakeBus) -> None:
+def test_a_node_is_a_context_manager(begin, bus):
     begin()
     with Node("a") as node:
         assert node.name == "/a"
@@ -126,7 +114,7 @@ def test_a_node_is_a_context_manager(begin: Begin, bus: FakeBus) -> None:
     assert last.leaving
 
 
-def test_a_destroyed_node_unsubscribes_everything(begin: Begin, bus: FakeBus) -> None:
+def test_a_destroyed_node_unsubscribes_everything(begin, bus):
     from lcmtools.types.std_srvs import Trigger
 
     begin()
@@ -139,7 +127,7 @@ def test_a_destroyed_node_unsubscribes_everything(begin: Begin, bus: FakeBus) ->
     assert {channel for channel, handlers in bus._handlers.items() if handlers} == before
 
 
-def test_a_closed_context_is_closed_for_good(begin: Begin) -> None:
+def test_a_closed_context_is_closed_for_good(begin):
     context = begin()
     node = Node("a")
     context.close()
@@ -151,11 +139,11 @@ def test_a_closed_context_is_closed_for_good(begin: Begin) -> None:
     lcmtools.spin_once(node, 1.0)
 
 
-def test_closing_inside_a_callback_ends_the_spin(begin: Begin, bus: FakeBus) -> None:
+def test_closing_inside_a_callback_ends_the_spin(begin, bus):
     context = begin()
     node, heard = Node("a"), []
 
-    def end(_message: String) -> None:
+    def end(_message):
         heard.append(1)
         context.close()
 
@@ -166,7 +154,7 @@ def test_closing_inside_a_callback_ends_the_spin(begin: Begin, bus: FakeBus) -> 
     assert heard == [1]
 
 
-def test_closing_on_another_thread_ends_the_spin(begin: Begin) -> None:
+def test_closing_on_another_thread_ends_the_spin(begin):
     for _ in range(20):
         context = begin()
         node = Node("a")
@@ -177,9 +165,7 @@ def test_closing_on_another_thread_ends_the_spin(begin: Begin) -> None:
         closer.join()
 
 
-def test_spinning_waits_no_longer_than_it_should(
-    begin: Begin, stopwatch: Callable[[], Any]
-) -> None:
+def test_spinning_waits_no_longer_than_it_should(begin, stopwatch):
     import time
 
     begin()
@@ -190,7 +176,7 @@ def test_spinning_waits_no_longer_than_it_should(
     assert watch.seconds() < 1.0
 
 
-def test_a_message_wakes_a_waiting_spin(begin: Begin, bus: FakeBus) -> None:
+def test_a_message_wakes_a_waiting_spin(begin, bus):
     begin()
     node, heard = Node("a"), []
     node.create_subscription(String, "chatter", lambda _: heard.append(1))
@@ -201,20 +187,20 @@ def test_a_message_wakes_a_waiting_spin(begin: Begin, bus: FakeBus) -> None:
     assert heard == [1]
 
 
-def test_without_init_there_is_no_node() -> None:
+def test_without_init_there_is_no_node():
     with raises_saying(LcmtoolsError, "no bus", "; ", "lcmtools.init()"):
         Node("a")
     assert not lcmtools.ok()
     lcmtools.shutdown()
 
 
-def test_init_twice_is_refused(begin: Begin) -> None:
+def test_init_twice_is_refused(begin):
     begin()
     with pytest.raises(LcmtoolsError, match="called twice"):
         lcmtools.init([], url="memq://")
 
 
-def test_init_returns_what_is_the_programs_own() -> None:
+def test_init_returns_what_is_the_programs_own():
     rest = lcmtools.init(["--ns", "/x", "file", "a:=b", "--speed", "3"], url="memq://")
     try:
         assert rest == ["file", "--speed", "3"]
@@ -226,22 +212,20 @@ def test_init_returns_what_is_the_programs_own() -> None:
     lcmtools.shutdown()
 
 
-def test_init_may_be_called_again_after_shutdown() -> None:
+def test_init_may_be_called_again_after_shutdown():
     for _ in range(3):
         lcmtools.init([], url="memq://")
         Node("a")
         lcmtools.shutdown()
 
 
-def test_init_on_a_log_that_is_read_is_refused() -> None:
+def test_init_on_a_log_that_is_read_is_refused():
     with raises_saying(LcmtoolsError, "a log", "a bus"):
         lcmtools.init([], url="file:///tmp/a.log")
     assert not lcmtools.ok()
 
 
-def test_an_option_of_the_url_that_has_no_effect_is_logged(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_an_option_of_the_url_that_has_no_effect_is_logged(capsys):
     lcmtools.init([], url="memq://?ttl=1")
     Node("a")
     lcmtools.shutdown()
@@ -249,11 +233,11 @@ def test_an_option_of_the_url_that_has_no_effect_is_logged(
     assert capsys.readouterr().err.count(note) == 1
 
 
-def _records(folder: Path) -> list[Path]:
+def _records(folder):
     return [path for path in folder.rglob("*") if path.is_file()]
 
 
-def test_a_node_has_a_record_while_it_lives(begin: Begin, tmp_path: Path) -> None:
+def test_a_node_has_a_record_while_it_lives(begin, tmp_path):
     url = parse_url("memq://")
     records = NodeRecords(url, {"XDG_RUNTIME_DIR": str(tmp_path)})
     context = begin(records=records)

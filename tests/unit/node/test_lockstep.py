@@ -1,17 +1,14 @@
 """Answers to the steps of a recording that is played to nodes."""
 
 import threading
-from collections.abc import Callable
 
 import pytest
-from fixtures.fake_bus import FakeBus
 
 from lcmtools import Node, spin_once
 from lcmtools.bus.base import LOCKSTEP
 from lcmtools.bus.step_bus import DONE_CHANNEL, STEP_CHANNEL
 from lcmtools.clock import split_stamp
 from lcmtools.messages.codec import encode
-from lcmtools.node.context import Context
 from lcmtools.node.lockstep import DONE, STEP
 from lcmtools.node.timer import NEVER
 from lcmtools.types.rosgraph_msgs import Clock
@@ -22,16 +19,16 @@ _START = 5 * _SECOND
 
 
 @pytest.fixture
-def node(begin: Callable[..., Context]) -> Node:
+def node(begin):
     """A node that is played to from the fifth second on."""
     return Node("played_to", context=begin(environment={LOCKSTEP: str(_START)}))
 
 
-def answers(bus: FakeBus) -> list[tuple[int, int]]:
+def answers(bus):
     return [DONE.unpack(payload) for channel, payload in bus.published if channel == DONE_CHANNEL]
 
 
-def step(bus: FakeBus, number: int, time: int | None = None) -> None:
+def step(bus, number, time=None):
     """Send a step, after a time if one is given."""
     if time is not None:
         clock = Clock()
@@ -40,9 +37,7 @@ def step(bus: FakeBus, number: int, time: int | None = None) -> None:
     bus.deliver(STEP_CHANNEL, STEP.pack(number))
 
 
-def test_a_step_is_answered_after_all_callbacks_and_what_they_published(
-    node: Node, bus: FakeBus
-) -> None:
+def test_a_step_is_answered_after_all_callbacks_and_what_they_published(node, bus):
     publisher = node.create_publisher(Float64, "/out")
     node.create_subscription(Float64, "/in", publisher.publish)
     for data in (1.0, 2.0):
@@ -56,8 +51,8 @@ def test_a_step_is_answered_after_all_callbacks_and_what_they_published(
     assert sent == ["/out", "/out", DONE_CHANNEL]
 
 
-def test_timers_follow_the_clock_and_the_answer_has_the_next_one(node: Node, bus: FakeBus) -> None:
-    times: list[int] = []
+def test_timers_follow_the_clock_and_the_answer_has_the_next_one(node, bus):
+    times = []
     node.create_timer(0.5, lambda: times.append(node.get_clock().now()))
     assert node.get_clock().now() == _START
     for number, time in enumerate((_START, _START + _SECOND // 2, _START + _SECOND)):
@@ -69,7 +64,7 @@ def test_timers_follow_the_clock_and_the_answer_has_the_next_one(node: Node, bus
     assert answers(bus) == [(n, _START + (n + 1) * half) for n in range(3)]
 
 
-def test_a_loop_with_a_rate_waits_for_the_clock(node: Node, bus: FakeBus) -> None:
+def test_a_loop_with_a_rate_waits_for_the_clock(node, bus):
     rate = node.create_rate(4.0)
     ended = threading.Thread(target=rate.sleep)
     ended.start()
@@ -81,7 +76,7 @@ def test_a_loop_with_a_rate_waits_for_the_clock(node: Node, bus: FakeBus) -> Non
     assert node.callbacks.next_due() == NEVER
 
 
-def test_the_last_of_several_threads_that_spin_answers(node: Node, bus: FakeBus) -> None:
+def test_the_last_of_several_threads_that_spin_answers(node, bus):
     other = Node("other", context=node.context)
     for number, one in enumerate((node, other), 1):
         one.callbacks.spinning_thread = number
@@ -95,5 +90,5 @@ def test_the_last_of_several_threads_that_spin_answers(node: Node, bus: FakeBus)
     assert answers(bus) == [(1, NEVER)]
 
 
-def test_a_node_that_runs_as_usual_answers_nothing(begin: Callable[..., Context]) -> None:
+def test_a_node_that_runs_as_usual_answers_nothing(begin):
     assert begin().lockstep is begin(environment={LOCKSTEP: ""}).lockstep is None

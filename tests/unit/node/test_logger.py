@@ -2,10 +2,8 @@
 
 import io
 import re
-from collections.abc import Callable
 
 import pytest
-from fixtures.fake_bus import FakeBus
 from fixtures.says import assert_says
 
 import lcmtools
@@ -13,33 +11,30 @@ from lcmtools import Node
 from lcmtools.clock import ManualClock
 from lcmtools.escapes import ESCAPES_IN_LINES
 from lcmtools.messages.codec import decode
-from lcmtools.node.context import Context
 from lcmtools.node.logger import Logger
 from lcmtools.types.rosgraph_msgs import Log
-
-Begin = Callable[..., Context]
 
 
 class _Desk:
     """A logger with what it prints and forwards."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.stream = io.StringIO()
-        self.entries: list[Log] = []
+        self.entries = []
         self.clock = ManualClock(1_700_000_000_000_000_042)
         self.logger = Logger("/husky0/driver", self.clock, self.entries.append, self.stream)
 
     @property
-    def lines(self) -> list[str]:
+    def lines(self):
         return self.stream.getvalue().splitlines()
 
 
 @pytest.fixture
-def desk() -> _Desk:
+def desk():
     return _Desk()
 
 
-def test_a_line_looks_as_in_ros(desk: _Desk) -> None:
+def test_a_line_looks_as_in_ros(desk):
     desk.logger.info("hello")
     assert desk.stream.getvalue() == "[INFO] [1700000000.000000042] [/husky0/driver]: hello\n"
 
@@ -48,13 +43,13 @@ def test_a_line_looks_as_in_ros(desk: _Desk) -> None:
     ("method", "label", "severity"),
     [("info", "INFO", 2), ("warning", "WARN", 4), ("error", "ERROR", 8), ("fatal", "FATAL", 16)],
 )
-def test_each_severity_is_labelled(desk: _Desk, method: str, label: str, severity: int) -> None:
+def test_each_severity_is_labelled(desk, method, label, severity):
     getattr(desk.logger, method)("x")
     assert desk.lines[0].startswith(f"[{label}] [")
     assert desk.entries[0].level == severity
 
 
-def test_debug_is_forwarded_and_printed_on_demand(desk: _Desk) -> None:
+def test_debug_is_forwarded_and_printed_on_demand(desk):
     desk.logger.debug("quiet")
     assert desk.lines == []
     assert [entry.level for entry in desk.entries] == [Log.DEBUG]
@@ -63,7 +58,7 @@ def test_debug_is_forwarded_and_printed_on_demand(desk: _Desk) -> None:
     assert desk.lines == ["[DEBUG] [1700000000.000000042] [/husky0/driver]: loud"]
 
 
-def test_an_entry_knows_where_it_was_logged(desk: _Desk) -> None:
+def test_an_entry_knows_where_it_was_logged(desk):
     desk.logger.warning("x")
     (entry,) = desk.entries
     assert entry.file == "test_logger.py"
@@ -71,7 +66,7 @@ def test_an_entry_knows_where_it_was_logged(desk: _Desk) -> None:
     assert entry.line > 0
 
 
-def test_once_is_once_for_each_place(desk: _Desk) -> None:
+def test_once_is_once_for_each_place(desk):
     for number in range(3):
         desk.logger.info(f"here {number}", once=True)
         desk.logger.info(f"there {number}", once=True)
@@ -79,7 +74,7 @@ def test_once_is_once_for_each_place(desk: _Desk) -> None:
     assert len(desk.entries) == 2
 
 
-def test_a_throttled_place_waits_its_period(desk: _Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_throttled_place_waits_its_period(desk, monkeypatch):
     now = [100.0]
     monkeypatch.setattr("lcmtools.node.logger.time.monotonic", lambda: now[0])
     for tenth in range(30):
@@ -91,21 +86,19 @@ def test_a_throttled_place_waits_its_period(desk: _Desk, monkeypatch: pytest.Mon
     assert printed.count("always") == 30
 
 
-def test_a_line_of_several_is_one_entry(desk: _Desk) -> None:
+def test_a_line_of_several_is_one_entry(desk):
     desk.logger.error("a\nb")
     assert desk.stream.getvalue().endswith(": a\nb\n")
     assert [entry.msg for entry in desk.entries] == ["a\nb"]
 
 
-def test_text_of_a_message_cannot_control_the_terminal(desk: _Desk) -> None:
+def test_text_of_a_message_cannot_control_the_terminal(desk):
     desk.logger.info("Hellö 你\t\x1b[2J\u202e")
     assert desk.stream.getvalue().endswith(": Hellö 你\t\\x1b[2J\\u202e\n")
     assert [entry.msg for entry in desk.entries] == ["Hellö 你\t\x1b[2J\u202e"]
 
 
-def test_a_nodes_log_goes_to_standard_error_and_rosout(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_nodes_log_goes_to_standard_error_and_rosout(begin, bus, capsys):
     begin("__ns:=/husky0")
     node = Node("driver")
     node.get_logger().warning("low battery")
@@ -122,14 +115,14 @@ def test_a_nodes_log_goes_to_standard_error_and_rosout(
     assert entry.function == "test_a_nodes_log_goes_to_standard_error_and_rosout"
 
 
-def test_a_tools_log_stays_off_the_bus(begin: Begin, bus: FakeBus) -> None:
+def test_a_tools_log_stays_off_the_bus(begin, bus):
     begin()
     Node("a", tool=True).get_logger().info("x")
     assert "/rosout" not in [channel for channel, _ in bus.published]
 
 
 @pytest.mark.parametrize("text", ["file \udcff", "a\0b", "\ud800", "☃" * 1000, 42, None])
-def test_no_text_is_an_error_to_log(begin: Begin, bus: FakeBus, text: object) -> None:
+def test_no_text_is_an_error_to_log(begin, bus, text):
     begin()
     logger = Node("a").get_logger()
     logger._stream = io.StringIO()
@@ -138,7 +131,7 @@ def test_no_text_is_an_error_to_log(begin: Begin, bus: FakeBus, text: object) ->
     assert "/rosout" in [channel for channel, _ in bus.published]
 
 
-def test_a_log_after_the_end_is_printed(begin: Begin, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_log_after_the_end_is_printed(begin, capsys):
     context = begin()
     node = Node("a")
     context.close()
@@ -146,9 +139,7 @@ def test_a_log_after_the_end_is_printed(begin: Begin, capsys: pytest.CaptureFixt
     assert capsys.readouterr().err.endswith("[/a]: goodbye\n")
 
 
-def test_a_misspelt_parameter_is_a_warning_when_the_node_spins(
-    begin: Begin, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_misspelt_parameter_is_a_warning_when_the_node_spins(begin, capsys):
     context = begin("_gian:=2.0", "_gain:=1.0")
     node = Node("a")
     node.declare_parameter("gain", 0.0)
@@ -159,7 +150,7 @@ def test_a_misspelt_parameter_is_a_warning_when_the_node_spins(
     assert_says(log, "no parameter 'gian'", "did you mean gain?")
 
 
-def test_a_log_whose_stream_was_closed_raises_nothing(desk: _Desk) -> None:
+def test_a_log_whose_stream_was_closed_raises_nothing(desk):
     desk.stream.close()
     desk.logger.info("hello")
     assert [entry.msg for entry in desk.entries] == ["hello"]

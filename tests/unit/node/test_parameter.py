@@ -1,19 +1,14 @@
 """Parameters are of their default's type."""
 
-from collections.abc import Callable
-
 import pytest
 from fixtures.says import raises_saying
 
 from lcmtools import Node
 from lcmtools.errors import UsageError
-from lcmtools.node.context import Context
-from lcmtools.node.parameters import ParameterValue, Parametric
-
-Begin = Callable[..., Context]
+from lcmtools.node.parameters import Parametric
 
 
-def _given(text: str, default: ParameterValue) -> ParameterValue:
+def _given(text, default):
     """The value of a parameter that the command line gives this text."""
     return Parametric("/a", {"p": text}, set()).declare_parameter("p", default).value
 
@@ -48,9 +43,7 @@ def _given(text: str, default: ParameterValue) -> ParameterValue:
         ("[1, a]", None, [1, "a"]),
     ],
 )
-def test_a_text_is_read_as_its_defaults_type(
-    text: str, default: ParameterValue, value: ParameterValue
-) -> None:
+def test_a_text_is_read_as_its_defaults_type(text, default, value):
     read = _given(text, default)
     assert read == value
     assert type(read) is type(value)
@@ -71,19 +64,17 @@ def test_a_text_is_read_as_its_defaults_type(
         ("a: 1", [2], "a list"),
     ],
 )
-def test_a_text_of_another_type_is_refused(
-    text: str, default: ParameterValue, expected: str
-) -> None:
+def test_a_text_of_another_type_is_refused(text, default, expected):
     with pytest.raises(UsageError, match=f"parameter p: expected {expected}, got "):
         _given(text, default)
 
 
-def test_a_text_that_is_no_yaml_is_refused() -> None:
+def test_a_text_that_is_no_yaml_is_refused():
     with pytest.raises(UsageError, match=r"parameter p: bad YAML at line 1"):
         _given("[1, 2", [])
 
 
-def test_the_command_line_beats_the_default(begin: Begin) -> None:
+def test_the_command_line_beats_the_default(begin):
     begin("_gain:=2.5", "--param", "name:=bob")
     node = Node("a")
     assert node.declare_parameter("gain", 1.0).value == 2.5
@@ -92,7 +83,7 @@ def test_the_command_line_beats_the_default(begin: Begin) -> None:
     assert node.get_parameter("gain").value == 2.5
 
 
-def test_an_undeclared_parameter_is_refused_with_the_nearest(begin: Begin) -> None:
+def test_an_undeclared_parameter_is_refused_with_the_nearest(begin):
     begin()
     node = Node("a")
     node.declare_parameter("gain", 1.0)
@@ -101,13 +92,13 @@ def test_an_undeclared_parameter_is_refused_with_the_nearest(begin: Begin) -> No
     assert caught.value.hint == "did you mean gain?"
 
 
-def test_a_wrong_value_is_refused_when_it_is_declared(begin: Begin) -> None:
+def test_a_wrong_value_is_refused_when_it_is_declared(begin):
     begin("_gain:=high")
     with raises_saying(UsageError, "gain: ", "number", "'high'"):
         Node("a").declare_parameter("gain", 1.0)
 
 
-def test_a_wrong_use_sim_time_is_refused(begin: Begin) -> None:
+def test_a_wrong_use_sim_time_is_refused(begin):
     begin("_use_sim_time:=2")
     with raises_saying(UsageError, "use_sim_time: ", "true", "false"):
         Node("a")

@@ -1,6 +1,5 @@
 """Parameters while the node runs: changed by itself and by others, all or none, or refused."""
 
-from collections.abc import Callable
 from functools import partial
 
 import pytest
@@ -8,22 +7,16 @@ from fixtures.says import assert_says, raises_saying
 
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError
-from lcmtools.node.context import Context
-from lcmtools.node.parameters import Parameter, ParameterValue, SetParametersResult
+from lcmtools.node.parameters import Parameter, SetParametersResult
 from lcmtools.publish.remote_parameters import (
-    Parameters,
     RefusedParameters,
     request_parameters,
     value_of,
 )
 
-Begin = Callable[..., Context]
-Serve = Callable[[Node], None]
-Remote = Callable[..., Parameters]
-
 
 @pytest.fixture
-def node(begin: Begin) -> Node:
+def node(begin):
     """A node with some parameters."""
     begin()
     node = Node("driver")
@@ -34,13 +27,13 @@ def node(begin: Begin) -> Node:
 
 
 @pytest.fixture
-def remote(node: Node, serve: Serve) -> Remote:
+def remote(node, serve):
     """The same node's parameters, seen from another one."""
     serve(node)
     return partial(request_parameters, Node("other", tool=True), "/driver")
 
 
-def test_a_changed_parameter_is_what_get_gives(node: Node) -> None:
+def test_a_changed_parameter_is_what_get_gives(node):
     assert node.has_parameter("gain")
     assert not node.has_parameter("gian")
     results = node.set_parameters([Parameter("gain", 2), Parameter("name", "eve")])
@@ -71,24 +64,22 @@ def test_a_changed_parameter_is_what_get_gives(node: Node) -> None:
         ),
     ],
 )
-def test_what_does_not_fit_is_refused_and_changes_nothing(
-    node: Node, name: str, value: ParameterValue, reason: str
-) -> None:
+def test_what_does_not_fit_is_refused_and_changes_nothing(node, name, value, reason):
     result = node.set_parameters_atomically([Parameter("name", "eve"), Parameter(name, value)])
     assert result == SetParametersResult(successful=False, reason=reason)
     assert node.get_parameter("name").value == "bob"
 
 
-def test_one_by_one_the_good_ones_are_set(node: Node) -> None:
+def test_one_by_one_the_good_ones_are_set(node):
     results = node.set_parameters([Parameter("name", 1), Parameter("gain", 3.0)])
     assert [result.successful for result in results] == [False, True]
     assert node.get_parameter("gain").value == 3.0
 
 
-def test_callbacks_are_asked_before_a_change_and_may_refuse(node: Node) -> None:
-    seen: list[tuple[str, ParameterValue, ParameterValue]] = []
+def test_callbacks_are_asked_before_a_change_and_may_refuse(node):
+    seen = []
 
-    def check(parameters: list[Parameter[ParameterValue]]) -> SetParametersResult | None:
+    def check(parameters):
         (parameter,) = parameters
         seen.append((parameter.name, parameter.value, node.get_parameter(parameter.name).value))
         if parameter.value == 9.0:
@@ -106,7 +97,7 @@ def test_callbacks_are_asked_before_a_change_and_may_refuse(node: Node) -> None:
     assert node.set_parameters([Parameter("gain", 9.0)])[0].successful
 
 
-def test_a_parameter_is_declared_once_and_within_its_range(begin: Begin) -> None:
+def test_a_parameter_is_declared_once_and_within_its_range(begin):
     begin("_gain:=11")
     node = Node("a")
     with raises_saying(UsageError, "parameter gain", "11.0", "10.0"):
@@ -115,7 +106,7 @@ def test_a_parameter_is_declared_once_and_within_its_range(begin: Begin) -> None
         node.declare_parameter("use_sim_time", default=False)
 
 
-def test_another_node_sees_all_parameters_in_order(remote: Remote) -> None:
+def test_another_node_sees_all_parameters_in_order(remote):
     found = remote(5.0)
     assert list(found) == ["gain", "name", "steps", "use_sim_time"]
     gain = found["gain"]
@@ -125,7 +116,7 @@ def test_another_node_sees_all_parameters_in_order(remote: Remote) -> None:
     assert found["use_sim_time"].read_only
 
 
-def test_another_node_changes_all_or_none(node: Node, remote: Remote) -> None:
+def test_another_node_changes_all_or_none(node, remote):
     found = remote(5.0, {"gain": "2.5", "name": "on", "steps": "[3, 0x4]"})
     assert (found["gain"].value, value_of(found["name"])) == ("2.5", "on")
     assert node.get_parameter("steps").value == [3, 4]
@@ -138,13 +129,8 @@ def test_another_node_changes_all_or_none(node: Node, remote: Remote) -> None:
     assert node.get_parameter("name").value == "on"
 
 
-def test_a_callback_that_raises_is_told_to_who_asked_and_logged(
-    node: Node,
-    remote: Remote,
-    logged: Callable[[str], bool],
-    wait_until: Callable[..., None],
-) -> None:
-    def fail(_: list[Parameter[ParameterValue]]) -> SetParametersResult:
+def test_a_callback_that_raises_is_told_to_who_asked_and_logged(node, remote, logged, wait_until):
+    def fail(_):
         raise RuntimeError("broken")
 
     node.add_on_set_parameters_callback(fail)
@@ -154,13 +140,13 @@ def test_a_callback_that_raises_is_told_to_who_asked_and_logged(
     wait_until(lambda: logged("raised RuntimeError: broken"))
 
 
-def test_a_node_that_does_not_spin_does_not_answer(node: Node) -> None:
+def test_a_node_that_does_not_spin_does_not_answer(node):
     with pytest.raises(ServiceTimeout, match=r"/driver .* 0\.05 s") as caught:
         request_parameters(Node("other", tool=True), node.name, 0.05)
     assert caught.value.exit_code == 4
 
 
-def test_tools_and_nodes_with_long_names_have_no_service_for_it(begin: Begin) -> None:
+def test_tools_and_nodes_with_long_names_have_no_service_for_it(begin):
     begin()
     longest = "n" * (63 - len("//_parameters/_request"))
     for name, tool, expected in (("a", True, 0), (longest, False, 1), (f"{longest}n", False, 0)):

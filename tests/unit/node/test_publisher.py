@@ -1,7 +1,5 @@
 """Publishers: what they send, what they refuse, and who can hear them."""
 
-from collections.abc import Callable, Collection, Sequence
-
 import pytest
 from fixtures.fake_bus import FakeBus
 from fixtures.says import raises_saying
@@ -14,15 +12,12 @@ from lcmtools.graph.model import Node as GraphNode
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import fingerprint
-from lcmtools.node.context import Context
 from lcmtools.node.publisher import PayloadPublisher, publish_together
 from lcmtools.types.geometry_msgs import Point, Vector3
 from lcmtools.types.std_msgs import Int32, String
 
-Begin = Callable[..., Context]
 
-
-def test_a_message_goes_out_encoded_on_its_topic(begin: Begin, bus: FakeBus) -> None:
+def test_a_message_goes_out_encoded_on_its_topic(begin, bus):
     begin("chatter:=/news")
     publisher = Node("a").create_publisher(String, "chatter")
     message = String()
@@ -40,9 +35,9 @@ def test_a_message_goes_out_encoded_on_its_topic(begin: Begin, bus: FakeBus) -> 
     assert endpoint.last_time > 0
 
 
-def test_messages_are_counted_whether_the_bus_sends_them_together_or_not() -> None:
+def test_messages_are_counted_whether_the_bus_sends_them_together_or_not():
     class HalfBus(FakeBus):
-        def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
+        def publish_together(self, messages):
             for message in messages[::2]:
                 self.deliver(*message)
             return range(1, len(messages), 2)
@@ -61,7 +56,7 @@ def test_messages_are_counted_whether_the_bus_sends_them_together_or_not() -> No
     ("message", "name"),
     [(Int32(), "std_msgs/Int32"), ("hello", "'hello'"), (None, "None"), ({}, "a mapping")],
 )
-def test_a_message_of_another_type_is_refused(begin: Begin, message: object, name: str) -> None:
+def test_a_message_of_another_type_is_refused(begin, message, name):
     begin()
     publisher = Node("a").create_publisher(String, "chatter")
     with raises_saying(ValueMismatch, "/chatter: expected std_msgs/String", name):
@@ -69,14 +64,14 @@ def test_a_message_of_another_type_is_refused(begin: Begin, message: object, nam
     assert publisher.endpoint().messages == 0
 
 
-def test_a_type_with_the_same_fields_is_another_type_all_the_same(begin: Begin) -> None:
+def test_a_type_with_the_same_fields_is_another_type_all_the_same(begin):
     begin()
     publisher = Node("a").create_publisher(Point, "p")
     with raises_saying(ValueMismatch, "geometry_msgs/Point", "geometry_msgs/Vector3"):
         publisher.publish(Vector3())
 
 
-def test_a_value_that_does_not_fit_names_its_field(begin: Begin) -> None:
+def test_a_value_that_does_not_fit_names_its_field(begin):
     begin()
     publisher = Node("a").create_publisher(Int32, "n")
     message = Int32()
@@ -85,7 +80,7 @@ def test_a_value_that_does_not_fit_names_its_field(begin: Begin) -> None:
         publisher.publish(message)
 
 
-def test_a_literal_topic_is_the_channel_to_the_letter(begin: Begin, bus: FakeBus) -> None:
+def test_a_literal_topic_is_the_channel_to_the_letter(begin, bus):
     begin("__ns:=/husky0", "EXAMPLE:=/other")
     node = Node("a")
     publisher = node.create_publisher(String, "EXAMPLE", plain_channel=True)
@@ -99,15 +94,13 @@ def test_a_literal_topic_is_the_channel_to_the_letter(begin: Begin, bus: FakeBus
 class _Refusing(FakeBus):
     """A bus that takes no messages on one channel."""
 
-    def deliver(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel, payload):
         if channel in ("/chatter", "/rosout"):
             raise BusError(f"cannot publish on {channel}")
         super().deliver(channel, payload)
 
 
-def test_a_message_that_cannot_leave_is_lost_and_the_log_says_so_once(
-    begin: Begin, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_message_that_cannot_leave_is_lost_and_the_log_says_so_once(begin, capsys):
     begin(bus=_Refusing())
     publisher = Node("a").create_publisher(String, "chatter")
     for _ in range(10):
@@ -118,15 +111,13 @@ def test_a_message_that_cannot_leave_is_lost_and_the_log_says_so_once(
     assert publisher.endpoint().messages == 0
 
 
-def test_a_tools_message_that_cannot_leave_is_an_error(begin: Begin) -> None:
+def test_a_tools_message_that_cannot_leave_is_an_error(begin):
     begin(bus=_Refusing())
     with pytest.raises(BusError, match="cannot publish on /chatter"):
         Node("a", tool=True).create_publisher(String, "chatter").publish(String())
 
 
-def test_publishing_when_the_bus_was_left_is_a_line_in_the_log(
-    begin: Begin, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_publishing_when_the_bus_was_left_is_a_line_in_the_log(begin, capsys):
     context = begin()
     publisher = Node("a").create_publisher(String, "chatter")
     context.close()
@@ -134,12 +125,12 @@ def test_publishing_when_the_bus_was_left_is_a_line_in_the_log(
     assert "the bus is closed" in capsys.readouterr().err
 
 
-def _hear_of(bus: FakeBus, identity: str, *endpoints: Endpoint, leaving: bool = False) -> None:
+def _hear_of(bus, identity, *endpoints, leaving=False):
     node = GraphNode(f"/{identity}", identity, "h", 1, endpoints=endpoints)
     bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, leaving)))
 
 
-def test_nodes_that_can_hear_a_publisher_are_counted(begin: Begin, bus: FakeBus) -> None:
+def test_nodes_that_can_hear_a_publisher_are_counted(begin, bus):
     begin()
     node = Node("a")
     publisher = node.create_publisher(String, "chatter")
@@ -159,16 +150,14 @@ def test_nodes_that_can_hear_a_publisher_are_counted(begin: Begin, bus: FakeBus)
     assert publisher.subscriber_count() == 2
 
 
-def test_a_process_counts_its_own_subscriptions(
-    begin: Begin, wait_until: Callable[..., None]
-) -> None:
+def test_a_process_counts_its_own_subscriptions(begin, wait_until):
     begin()
     publisher = Node("a").create_publisher(String, "chatter")
     Node("b").create_subscription(String, "chatter", print)
     wait_until(lambda: publisher.subscriber_count() == 1)
 
 
-def test_a_change_of_the_graph_wakes_who_waits_for_it(begin: Begin, bus: FakeBus) -> None:
+def test_a_change_of_the_graph_wakes_who_waits_for_it(begin, bus):
     begin()
     node = Node("a")
     publisher = node.create_publisher(String, "chatter")

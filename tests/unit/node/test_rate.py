@@ -2,8 +2,6 @@
 
 import math
 import threading
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.says import assert_says, raises_saying
@@ -12,13 +10,9 @@ import lcmtools
 import lcmtools.types.std_msgs
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError
-from lcmtools.node.context import Context
-
-Begin = Callable[..., Context]
-Call = Callable[[Any], object]  # any: these are the calls that a type checker refuses
 
 
-def test_a_rate_keeps_a_loop_going_with_its_callbacks(begin: Begin) -> None:
+def test_a_rate_keeps_a_loop_going_with_its_callbacks(begin):
     context = begin()
     node, ticks = Node("a"), []
     node.create_timer(0.002, lambda: ticks.append(1))
@@ -32,7 +26,7 @@ def test_a_rate_keeps_a_loop_going_with_its_callbacks(begin: Begin) -> None:
     rate.sleep()  # returns at once
 
 
-def test_a_rate_follows_simulated_time(begin: Begin) -> None:
+def test_a_rate_follows_simulated_time(begin):
     begin("_use_sim_time:=true")
     from lcmtools.types.rosgraph_msgs import Clock
 
@@ -41,7 +35,7 @@ def test_a_rate_follows_simulated_time(begin: Begin) -> None:
     rate = node.create_rate(10)
     returned = threading.Event()
 
-    def loop() -> None:
+    def loop():
         rate.sleep()
         returned.set()
 
@@ -56,7 +50,7 @@ def test_a_rate_follows_simulated_time(begin: Begin) -> None:
     assert returned.is_set()
 
 
-def test_a_rate_in_a_callback_is_an_error_and_beside_spin_it_waits(begin: Begin) -> None:
+def test_a_rate_in_a_callback_is_an_error_and_beside_spin_it_waits(begin):
     context = begin()
     node = Node("a")
     rate = node.create_rate(1000)
@@ -72,15 +66,13 @@ def test_a_rate_in_a_callback_is_an_error_and_beside_spin_it_waits(begin: Begin)
 
 
 @pytest.mark.parametrize("frequency", [0, -1, 1e-320, math.nan, math.inf, "10", None, True])
-def test_a_rate_that_is_none_is_refused(begin: Begin, frequency: Any) -> None:
+def test_a_rate_that_is_none_is_refused(begin, frequency):
     begin()
     with raises_saying(LcmtoolsError, "create_rate", "positive", "Hz", "got"):
         Node("a").create_rate(frequency)
 
 
-def test_a_slow_rate_is_no_timer_that_is_meant_in_milliseconds(
-    begin: Begin, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_slow_rate_is_no_timer_that_is_meant_in_milliseconds(begin, capsys):
     begin()
     Node("a").create_rate(0.01)
     assert capsys.readouterr().err == ""

@@ -2,8 +2,6 @@
 
 import threading
 import time
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from fixtures.fake_bus import FakeBus
@@ -14,40 +12,35 @@ from lcmtools import Node
 from lcmtools.errors import InvalidName, ServiceError, ServiceTimeout, UsageError
 from lcmtools.graph.model import Role
 from lcmtools.messages.codec import encode
-from lcmtools.node.context import Context
 from lcmtools.node.replies import Replies
-from lcmtools.node.service import Client, reply_channel, request_channel
+from lcmtools.node.service import reply_channel, request_channel
 from lcmtools.types.lcmtools_msgs import ServiceRequest
 from lcmtools.types.std_msgs import Int32
 from lcmtools.types.std_srvs import SetBool, Trigger
-
-Begin = Callable[..., Context]
-Serve = Callable[[Node], None]
-StartSwitch = Callable[[], Any]
 
 
 class _Lossy(FakeBus):
     """A bus that loses the first messages of a channel."""
 
-    def __init__(self, channel: str, count: int = 1) -> None:
+    def __init__(self, channel, count=1):
         super().__init__()
         self.left = count
         self._channel = channel
 
-    def deliver(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel, payload):
         if channel == self._channel and self.left > 0:
             self.left -= 1
             return
         super().deliver(channel, payload)
 
 
-def _request(*, data: bool = True) -> SetBool.Request:
+def _request(*, data=True):
     request = SetBool.Request()
     request.data = data
     return request
 
 
-def test_a_request_is_answered(begin: Begin, serve: Serve, start_switch: StartSwitch) -> None:
+def test_a_request_is_answered(begin, serve, start_switch):
     begin()
     server = start_switch()
     serve(server.node)
@@ -60,9 +53,7 @@ def test_a_request_is_answered(begin: Begin, serve: Serve, start_switch: StartSw
     assert response.message == "call 2"
 
 
-def test_a_lost_request_is_sent_again_and_answered_once(
-    begin: Begin, serve: Serve, start_switch: StartSwitch, stopwatch: Callable[[], Any]
-) -> None:
+def test_a_lost_request_is_sent_again_and_answered_once(begin, serve, start_switch, stopwatch):
     begin(bus=_Lossy(request_channel("/switch")))
     server = start_switch()
     serve(server.node)
@@ -73,9 +64,7 @@ def test_a_lost_request_is_sent_again_and_answered_once(
     assert server.calls == [True]
 
 
-def test_a_lost_reply_is_sent_again_without_a_second_call(
-    begin: Begin, serve: Serve, start_switch: StartSwitch
-) -> None:
+def test_a_lost_reply_is_sent_again_without_a_second_call(begin, serve, start_switch):
     begin(bus=_Lossy(reply_channel("/switch"), 2))
     server = start_switch()
     serve(server.node)
@@ -84,11 +73,11 @@ def test_a_lost_reply_is_sent_again_without_a_second_call(
     assert server.calls == [True]
 
 
-def test_a_slow_service_is_called_once(begin: Begin, serve: Serve) -> None:
+def test_a_slow_service_is_called_once(begin, serve):
     begin()
     node, calls = Node("server"), []
 
-    def slow(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def slow(_request, response):
         calls.append(1)
         time.sleep(0.6)  # over two retries
         return response
@@ -103,7 +92,7 @@ def test_a_slow_service_is_called_once(begin: Begin, serve: Serve) -> None:
 
 
 @pytest.mark.timing
-def test_no_answer_is_an_error_in_time(begin: Begin, stopwatch: Callable[[], Any]) -> None:
+def test_no_answer_is_an_error_in_time(begin, stopwatch):
     begin()
     client = Node("client").create_client(Trigger, "/nobody")
     watch = stopwatch()
@@ -113,9 +102,7 @@ def test_no_answer_is_an_error_in_time(begin: Begin, stopwatch: Callable[[], Any
     assert "lcmtools node list" in caught.value.hint
 
 
-def test_a_client_may_call_inside_a_callback(
-    begin: Begin, bus: FakeBus, serve: Serve, start_switch: StartSwitch
-) -> None:
+def test_a_client_may_call_inside_a_callback(begin, bus, serve, start_switch):
     begin()
     server = start_switch()
     serve(server.node)
@@ -130,13 +117,13 @@ def test_a_client_may_call_inside_a_callback(
 
 
 def test_a_call_of_ones_own_service_inside_a_callback_times_out_and_nothing_worse(
-    begin: Begin, bus: FakeBus, start_switch: StartSwitch
-) -> None:
+    begin, bus, start_switch
+):
     begin()
     server = start_switch()
     client, failures = server.node.create_client(SetBool, "switch"), []
 
-    def ask(_message: Int32) -> None:
+    def ask(_message):
         with pytest.raises(ServiceError) as caught:
             client.call(_request(), timeout=0.1)
         failures.append(caught.value)
@@ -147,15 +134,13 @@ def test_a_call_of_ones_own_service_inside_a_callback_times_out_and_nothing_wors
     assert len(failures) == 1
 
 
-def test_many_clients_at_once_each_get_their_own_answer(
-    begin: Begin, serve: Serve, start_switch: StartSwitch
-) -> None:
+def test_many_clients_at_once_each_get_their_own_answer(begin, serve, start_switch):
     begin()
     server = start_switch()
     serve(server.node)
-    answers: list[bool] = []
+    answers = []
 
-    def call(client: Client[SetBool.Request, SetBool.Response], *, data: bool) -> None:
+    def call(client, *, data):
         for _ in range(10):
             response = client.call(_request(data=data), timeout=10.0)
             answers.append(response.success is data)
@@ -174,7 +159,7 @@ def test_many_clients_at_once_each_get_their_own_answer(
     assert len(server.calls) == 60
 
 
-def test_a_call_ends_when_the_program_should(begin: Begin, stopwatch: Callable[[], Any]) -> None:
+def test_a_call_ends_when_the_program_should(begin, stopwatch):
     context = begin()
     client = Node("client").create_client(Trigger, "/nobody")
     threading.Timer(0.05, context.stop).start()
@@ -184,7 +169,7 @@ def test_a_call_ends_when_the_program_should(begin: Begin, stopwatch: Callable[[
     assert watch.seconds() < 1.0
 
 
-def test_services_and_clients_are_announced_with_their_type(begin: Begin) -> None:
+def test_services_and_clients_are_announced_with_their_type(begin):
     begin("__ns:=/husky0")
     node = Node("a")
     node.create_service(SetBool, "switch", lambda _, response: response)
@@ -196,7 +181,7 @@ def test_services_and_clients_are_announced_with_their_type(begin: Begin) -> Non
     assert endpoints[Role.CLIENT].types == ("std_srvs/Trigger",)
 
 
-def test_a_service_name_leaves_room_for_its_channels(begin: Begin) -> None:
+def test_a_service_name_leaves_room_for_its_channels(begin):
     begin()
     node = Node("a")
     longest = "s" * (63 - len("/") - len("/_request"))
@@ -208,16 +193,14 @@ def test_a_service_name_leaves_room_for_its_channels(begin: Begin) -> None:
         node.create_client(Trigger, longest + "s")
 
 
-def test_a_request_that_is_repeated_while_it_is_answered_gets_one_reply(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_a_request_that_is_repeated_while_it_is_answered_gets_one_reply(begin, bus):
     begin()
     node = Node("server")
     request = ServiceRequest()
     request.client, request.sequence = "c", 1
     request.payload = encode(Trigger.Request())
 
-    def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def answer(_request, response):
         bus.publish(request_channel("/slow"), encode(request))  # as a client does that waits
         return response
 
@@ -230,13 +213,11 @@ def test_a_request_that_is_repeated_while_it_is_answered_gets_one_reply(
     assert [e.messages for e in node.describe().endpoints if e.topic == "/slow"] == [1]
 
 
-def test_a_repeated_request_is_not_called_again_after_thousands_of_others(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_a_repeated_request_is_not_called_again_after_thousands_of_others(begin, bus):
     begin()
     node, calls = Node("server"), []
 
-    def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def answer(_request, response):
         calls.append(1)
         return response
 
@@ -250,7 +231,7 @@ def test_a_repeated_request_is_not_called_again_after_thousands_of_others(
     assert len(calls) == 2000
 
 
-def test_a_large_reply_is_not_sent_again_while_it_travels() -> None:
+def test_a_large_reply_is_not_sent_again_while_it_travels():
     replies, key = Replies(), ("c", 1)
     replies.add(key, bytes(20_000_000))
     assert replies.to_send(key, 10.0) is not None
@@ -258,7 +239,7 @@ def test_a_large_reply_is_not_sent_again_while_it_travels() -> None:
     assert replies.to_send(key, 11.5) is not None
 
 
-def test_large_replies_are_forgotten_and_their_requests_are_not() -> None:
+def test_large_replies_are_forgotten_and_their_requests_are_not():
     replies, keys = Replies(), [("c", number) for number in range(4)]
     for key in keys:
         replies.add(key, bytes(30 << 20))
@@ -266,14 +247,12 @@ def test_large_replies_are_forgotten_and_their_requests_are_not() -> None:
     assert [replies.to_send(key, 1.0) is not None for key in keys] == [False, False, True, True]
 
 
-def test_a_response_that_lcm_cannot_carry_fails_the_call(
-    begin: Begin, serve: Serve, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_response_that_lcm_cannot_carry_fails_the_call(begin, serve, monkeypatch):
     monkeypatch.setattr("lcmtools.node.service.MESSAGE_MAX", 2000)
     begin()
     node = Node("server")
 
-    def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def answer(_request, response):
         response.message = "x" * 2000
         return response
 
@@ -284,15 +263,13 @@ def test_a_response_that_lcm_cannot_carry_fails_the_call(
         client.call(Trigger.Request())
 
 
-def test_an_asynchronous_call_ends_while_its_node_spins(
-    begin: Begin, serve: Serve, start_switch: StartSwitch
-) -> None:
+def test_an_asynchronous_call_ends_while_its_node_spins(begin, serve, start_switch):
     begin(bus=_Lossy(request_channel("/switch")))  # the first request is lost
     server = start_switch()
     serve(server.node)
     node = Node("client")
     future = node.create_client(SetBool, "switch").call_async(_request())
-    seen: list[tuple[object, int]] = []
+    seen = []
     future.add_done_callback(lambda one: seen.append((one.result(), threading.get_ident())))
     assert future.result() is None
     lcmtools.spin_until_future_complete(node, future, 20.0)
@@ -303,11 +280,11 @@ def test_an_asynchronous_call_ends_while_its_node_spins(
     assert server.calls == [True]
 
 
-def test_an_asynchronous_call_raises_the_failure_of_its_service(begin: Begin, serve: Serve) -> None:
+def test_an_asynchronous_call_raises_the_failure_of_its_service(begin, serve):
     begin()
     server, node = Node("server"), Node("client")
 
-    def refuse(_request: object, _response: object) -> object:
+    def refuse(_request, _response):
         raise ServiceError("it is locked")
 
     server.create_service(SetBool, "switch", refuse)
@@ -320,9 +297,7 @@ def test_an_asynchronous_call_raises_the_failure_of_its_service(begin: Begin, se
         future.result()
 
 
-def test_a_call_of_ones_own_service_ends_while_both_spin(
-    begin: Begin, start_switch: StartSwitch
-) -> None:
+def test_a_call_of_ones_own_service_ends_while_both_spin(begin, start_switch):
     begin()
     node = start_switch().node
     future = node.create_client(SetBool, "switch").call_async(_request())
@@ -330,10 +305,10 @@ def test_a_call_of_ones_own_service_ends_while_both_spin(
     assert future.done()
 
 
-def test_a_call_without_an_answer_is_not_done(begin: Begin, bus: FakeBus) -> None:
+def test_a_call_without_an_answer_is_not_done(begin, bus):
     begin(bus=bus)
     node = Node("client")
-    sent: list[bytes] = []
+    sent = []
     bus.subscribe(request_channel("/nobody"), lambda payload, _: sent.append(payload))
     future = node.create_client(SetBool, "nobody").call_async(_request())
     while len(sent) < 2:  # it is repeated
@@ -346,7 +321,7 @@ def test_a_call_without_an_answer_is_not_done(begin: Begin, bus: FakeBus) -> Non
     assert len(sent) == before
 
 
-def test_a_service_of_this_program_that_nobody_spins_is_named(begin: Begin) -> None:
+def test_a_service_of_this_program_that_nobody_spins_is_named(begin):
     begin()
     server, node = Node("server"), Node("client")
     server.create_service(Trigger, "go", lambda _, response: response)
@@ -359,16 +334,14 @@ def test_a_service_of_this_program_that_nobody_spins_is_named(begin: Begin) -> N
 
 
 @pytest.mark.parametrize("owner", ["client", "server"])
-def test_a_callback_that_calls_a_service_of_its_own_thread_is_told_at_once(
-    owner: str, begin: Begin
-) -> None:
+def test_a_callback_that_calls_a_service_of_its_own_thread_is_told_at_once(owner, begin):
     begin()
     nodes = {name: Node(name) for name in ("client", "server")}
     nodes[owner].create_service(Trigger, "go", lambda _, response: response)
     client = nodes["client"].create_client(Trigger, "go")
-    errors: list[str] = []
+    errors = []
 
-    def call() -> None:
+    def call():
         with pytest.raises(ServiceError) as raised:
             client.call(Trigger.Request(), timeout=1e6)
         errors.append(str(raised.value))
@@ -379,7 +352,7 @@ def test_a_callback_that_calls_a_service_of_its_own_thread_is_told_at_once(
     assert_says(errors[0], "/go cannot answer", f"/{owner}", "this thread", "call_async")
 
 
-def test_what_is_no_future_is_named(begin: Begin) -> None:
+def test_what_is_no_future_is_named(begin):
     begin()
     with pytest.raises(UsageError, match=r"needs a future, got None; .*call_async"):
-        lcmtools.spin_until_future_complete(Node("n"), None)  # type: ignore[arg-type]
+        lcmtools.spin_until_future_complete(Node("n"), None)

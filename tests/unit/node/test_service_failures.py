@@ -1,8 +1,5 @@
 """Services that fail, and those that hear what was not meant for them."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 from fixtures.fake_bus import FakeBus
 from fixtures.says import raises_saying
@@ -11,34 +8,25 @@ import lcmtools
 from lcmtools import Node
 from lcmtools.errors import BusError, LcmtoolsError, ServiceError, ValueMismatch
 from lcmtools.messages.codec import decode, encode
-from lcmtools.node.context import Context
 from lcmtools.node.service import reply_channel, request_channel
 from lcmtools.types.lcmtools_msgs import ServiceReply, ServiceRequest
 from lcmtools.types.std_msgs import Int32
 from lcmtools.types.std_srvs import SetBool, Trigger
 
-Begin = Callable[..., Context]
-Serve = Callable[[Node], None]
-StartSwitch = Callable[[], Any]
 
-
-def _request(*, data: bool = True) -> SetBool.Request:
+def _request(*, data=True):
     request = SetBool.Request()
     request.data = data
     return request
 
 
 def test_a_service_that_raises_fails_the_call_and_its_node_goes_on(
-    begin: Begin,
-    serve: Serve,
-    logged: Callable[[str], bool],
-    wait_until: Callable[..., None],
-    start_switch: StartSwitch,
-) -> None:
+    begin, serve, logged, wait_until, start_switch
+):
     begin()
     node = Node("server")
 
-    def fail(_request: Trigger.Request, _response: Trigger.Response) -> Trigger.Response:
+    def fail(_request, _response):
         raise RuntimeError("no power")
 
     node.create_service(Trigger, "fail", fail)
@@ -52,13 +40,11 @@ def test_a_service_that_raises_fails_the_call_and_its_node_goes_on(
     wait_until(lambda: logged("service /fail raised RuntimeError: no power\nTraceback"))
 
 
-def test_an_error_for_the_caller_is_passed_on_without_a_traceback(
-    begin: Begin, serve: Serve, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_error_for_the_caller_is_passed_on_without_a_traceback(begin, serve, capsys):
     begin()
     node = Node("server")
 
-    def refuse(_request: Trigger.Request, _response: Trigger.Response) -> Trigger.Response:
+    def refuse(_request, _response):
         raise LcmtoolsError("the robot is not enabled", "enable it first")
 
     node.create_service(Trigger, "go", refuse)
@@ -70,9 +56,7 @@ def test_an_error_for_the_caller_is_passed_on_without_a_traceback(
 
 
 @pytest.mark.parametrize("answer", [None, "text", Int32(), Trigger.Request()])
-def test_a_service_that_returns_no_response_fails_the_call(
-    begin: Begin, serve: Serve, answer: object
-) -> None:
+def test_a_service_that_returns_no_response_fails_the_call(begin, serve, answer):
     begin()
     node = Node("server")
     node.create_service(Trigger, "odd", lambda _request, _response: answer)
@@ -82,9 +66,7 @@ def test_a_service_that_returns_no_response_fails_the_call(
         client.call(Trigger.Request(), timeout=5.0)
 
 
-def test_a_request_of_another_type_fails_the_call(
-    begin: Begin, serve: Serve, start_switch: StartSwitch
-) -> None:
+def test_a_request_of_another_type_fails_the_call(begin, serve, start_switch):
     begin()
     server = start_switch()
     serve(server.node)
@@ -96,7 +78,7 @@ def test_a_request_of_another_type_fails_the_call(
     assert server.calls == []
 
 
-def test_a_value_that_does_not_fit_is_refused_before_it_is_sent(begin: Begin) -> None:
+def test_a_value_that_does_not_fit_is_refused_before_it_is_sent(begin):
     begin()
     client = Node("client").create_client(SetBool, "switch")
     request = SetBool.Request()
@@ -105,14 +87,14 @@ def test_a_value_that_does_not_fit_is_refused_before_it_is_sent(begin: Begin) ->
         client.call(request)
 
 
-def _reply(client: str, sequence: int) -> bytes:
+def _reply(client, sequence):
     reply = ServiceReply()
     reply.client, reply.sequence = client, sequence
     reply.payload = encode(Trigger.Response())
     return encode(reply)
 
 
-def test_replies_that_are_for_nobody_are_passed_over(begin: Begin, bus: FakeBus) -> None:
+def test_replies_that_are_for_nobody_are_passed_over(begin, bus):
     begin()
     client = Node("client").create_client(Trigger, "/nobody")
     for payload in (
@@ -136,13 +118,11 @@ def test_replies_that_are_for_nobody_are_passed_over(begin: Begin, bus: FakeBus)
         (ServiceReply.FAILED, "/odd: it failed, and does not say why"),
     ],
 )
-def test_a_reply_with_a_broken_response_is_a_failure_of_the_service(
-    begin: Begin, bus: FakeBus, status: int, said: str
-) -> None:
+def test_a_reply_with_a_broken_response_is_a_failure_of_the_service(begin, bus, status, said):
     begin()
     client = Node("client").create_client(Trigger, "odd")
 
-    def answer(payload: bytes, _time: int) -> None:
+    def answer(payload, _time):
         request = decode(ServiceRequest, payload)
         reply = ServiceReply()
         reply.client, reply.sequence, reply.payload = request.client, request.sequence, b"odd"
@@ -157,19 +137,15 @@ def test_a_reply_with_a_broken_response_is_a_failure_of_the_service(
 class _Refusing(FakeBus):
     """A bus that takes no replies."""
 
-    def deliver(self, channel: str, payload: bytes) -> None:
+    def deliver(self, channel, payload):
         if channel == reply_channel("/switch"):
             raise BusError("the network is down")
         super().deliver(channel, payload)
 
 
 def test_a_reply_that_cannot_leave_is_logged_and_the_node_goes_on(
-    begin: Begin,
-    serve: Serve,
-    logged: Callable[[str], bool],
-    wait_until: Callable[..., None],
-    start_switch: StartSwitch,
-) -> None:
+    begin, serve, logged, wait_until, start_switch
+):
     begin(bus=_Refusing())
     server = start_switch()
     serve(server.node)
@@ -181,9 +157,7 @@ def test_a_reply_that_cannot_leave_is_logged_and_the_node_goes_on(
     assert len(server.calls) == 2
 
 
-def test_requests_that_are_none_are_passed_over(
-    begin: Begin, bus: FakeBus, start_switch: StartSwitch
-) -> None:
+def test_requests_that_are_none_are_passed_over(begin, bus, start_switch):
     begin()
     server = start_switch()
     for payload in (b"", b"nonsense", encode(Int32()), encode(ServiceRequest())[:-1]):
@@ -192,9 +166,7 @@ def test_requests_that_are_none_are_passed_over(
     assert server.calls == []
 
 
-def test_a_flood_of_requests_is_bounded(
-    begin: Begin, bus: FakeBus, start_switch: StartSwitch
-) -> None:
+def test_a_flood_of_requests_is_bounded(begin, bus, start_switch):
     begin()
     server = start_switch()
     for sequence in range(2000):

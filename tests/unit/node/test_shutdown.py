@@ -1,9 +1,6 @@
 """A node's program that is asked over the bus to end."""
 
-from collections.abc import Callable
-
 import pytest
-from fixtures.fake_bus import FakeBus
 from fixtures.says import assert_says
 
 import lcmtools
@@ -15,24 +12,19 @@ from lcmtools.graph.protocol import (
     decode_announcement,
     encode_shutdown,
 )
-from lcmtools.node.context import Context
-
-Begin = Callable[..., Context]
 
 
-def _ask(bus: FakeBus, target: str, requester: str = "a test") -> None:
+def _ask(bus, target, requester="a test"):
     bus.publish(SHUTDOWN_CHANNEL, encode_shutdown(Shutdown(target, 9, requester)))
 
 
-def _answers(bus: FakeBus) -> list[str]:
+def _answers(bus):
     payloads = [payload for channel, payload in tuple(bus.published) if channel == NODE_CHANNEL]
     said = [announced for payload in payloads if (announced := decode_announcement(payload))]
     return [one.node.name for one in said if one.answers == 9]
 
 
-def test_it_answers_logs_who_asks_and_ends(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_it_answers_logs_who_asks_and_ends(begin, bus, capsys):
     context = begin()
     Node("other")
     node = Node("driver")
@@ -43,9 +35,7 @@ def test_it_answers_logs_who_asks_and_ends(
     assert_says(capsys.readouterr().err, "[/driver]: ", "shutdown", "by a test\n")
 
 
-def test_asked_again_it_answers_again_and_logs_once(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_asked_again_it_answers_again_and_logs_once(begin, bus, capsys):
     begin()
     node = Node("driver")
     for _ in range(3):
@@ -55,7 +45,7 @@ def test_asked_again_it_answers_again_and_logs_once(
 
 
 @pytest.mark.parametrize("target", ["", "/driver", "driver", "no-such-id"])
-def test_only_its_id_means_a_node(begin: Begin, bus: FakeBus, target: str) -> None:
+def test_only_its_id_means_a_node(begin, bus, target):
     context = begin()
     Node("driver")
     _ask(bus, target)
@@ -63,7 +53,7 @@ def test_only_its_id_means_a_node(begin: Begin, bus: FakeBus, target: str) -> No
 
 
 @pytest.mark.parametrize("payload", [b"", b"nonsense", encode_shutdown(Shutdown("x"))[:-1]])
-def test_what_is_no_request_is_passed_over(begin: Begin, bus: FakeBus, payload: bytes) -> None:
+def test_what_is_no_request_is_passed_over(begin, bus, payload):
     context = begin()
     Node("driver")
     bus.publish(SHUTDOWN_CHANNEL, payload)
@@ -73,13 +63,11 @@ def test_what_is_no_request_is_passed_over(begin: Begin, bus: FakeBus, payload: 
 @pytest.mark.parametrize(
     "error", [BrokenPipeError(), ValueError("closed file"), OSError(28, "full")]
 )
-def test_it_ends_although_its_log_fails(
-    begin: Begin, bus: FakeBus, monkeypatch: pytest.MonkeyPatch, error: Exception
-) -> None:
+def test_it_ends_although_its_log_fails(begin, bus, monkeypatch, error):
     context = begin()
     node = Node("driver")
 
-    def fail(*_: object) -> None:
+    def fail(*_):
         raise error
 
     monkeypatch.setattr(node.get_logger(), "warning", fail)
@@ -87,13 +75,11 @@ def test_it_ends_although_its_log_fails(
     assert not context.ok()
 
 
-def test_it_ends_although_it_cannot_answer(
-    begin: Begin, bus: FakeBus, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_it_ends_although_it_cannot_answer(begin, bus, monkeypatch):
     context = begin()
     node = Node("driver")
 
-    def fail(*_: object) -> None:
+    def fail(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(context.announcer, "answer", fail)
@@ -102,10 +88,10 @@ def test_it_ends_although_it_cannot_answer(
     assert not context.ok()
 
 
-def test_it_ends_before_it_logs(begin: Begin, bus: FakeBus) -> None:
+def test_it_ends_before_it_logs(begin, bus):
     context = begin()
     node = Node("driver")
-    logged: list[bool] = []
-    node.get_logger().warning = lambda *_: logged.append(context.ok())  # type: ignore[method-assign]
+    logged = []
+    node.get_logger().warning = lambda *_: logged.append(context.ok())
     _ask(bus, node.describe().id)
     assert logged == [False]

@@ -1,28 +1,21 @@
 """Nodes on simulated time: clock, log and timers follow /clock."""
 
-from collections.abc import Callable
-
-import pytest
-from fixtures.fake_bus import FakeBus
-
 import lcmtools
 from lcmtools import Node
 from lcmtools.messages.codec import decode, encode
-from lcmtools.node.context import Context
 from lcmtools.types.rosgraph_msgs import Clock, Log
 
-Begin = Callable[..., Context]
 _S = 1_000_000_000
 
 
-def _tell(bus: FakeBus, node: Node, seconds: float) -> None:
+def _tell(bus, node, seconds):
     message = Clock()
     message.clock.sec, message.clock.nsec = divmod(round(seconds * _S), _S)
     bus.publish("/clock", encode(message))
     lcmtools.spin_once(node)
 
 
-def test_the_clock_is_what_the_simulation_says(begin: Begin, bus: FakeBus) -> None:
+def test_the_clock_is_what_the_simulation_says(begin, bus):
     begin("_use_sim_time:=true")
     node = Node("a")
     assert node.get_clock().now() == 0
@@ -32,16 +25,14 @@ def test_the_clock_is_what_the_simulation_says(begin: Begin, bus: FakeBus) -> No
     assert node.get_clock().now() == 3_500_000_000
 
 
-def test_the_clock_is_global_whatever_the_namespace(begin: Begin, bus: FakeBus) -> None:
+def test_the_clock_is_global_whatever_the_namespace(begin, bus):
     begin("_use_sim_time:=true", "__ns:=/husky0")
     node = Node("a")
     _tell(bus, node, 1.0)
     assert node.get_clock().now() == _S
 
 
-def test_the_log_is_stamped_with_simulated_time(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_log_is_stamped_with_simulated_time(begin, bus, capsys):
     begin("_use_sim_time:=true")
     node = Node("a")
     _tell(bus, node, 7.25)
@@ -51,7 +42,7 @@ def test_the_log_is_stamped_with_simulated_time(
     assert (entry.header.stamp.sec, entry.header.stamp.nsec) == (7, 250_000_000)
 
 
-def test_timers_follow_simulated_time(begin: Begin, bus: FakeBus) -> None:
+def test_timers_follow_simulated_time(begin, bus):
     begin("_use_sim_time:=true")
     node, called = Node("a"), []
     _tell(bus, node, 100.0)
@@ -64,7 +55,7 @@ def test_timers_follow_simulated_time(begin: Begin, bus: FakeBus) -> None:
     assert called == [101.2, 102.0, 103.2]
 
 
-def test_timers_go_on_when_the_simulation_starts_again(begin: Begin, bus: FakeBus) -> None:
+def test_timers_go_on_when_the_simulation_starts_again(begin, bus):
     begin("_use_sim_time:=true")
     node, called = Node("a"), []
     _tell(bus, node, 100.0)
@@ -74,7 +65,7 @@ def test_timers_go_on_when_the_simulation_starts_again(begin: Begin, bus: FakeBu
     assert called == [101.0, 1.1, 2.1]
 
 
-def test_without_simulated_time_the_clock_is_the_computers(begin: Begin, bus: FakeBus) -> None:
+def test_without_simulated_time_the_clock_is_the_computers(begin, bus):
     begin()
     node = Node("a")
     _tell(bus, node, 1.0)

@@ -1,40 +1,32 @@
 """Subscriptions: the newest messages are kept, and nothing that comes can stop the node."""
 
-from collections.abc import Callable
-
 import pytest
 from fixtures.fake_bus import FakeBus
 from fixtures.says import assert_says, raises_saying
 
 import lcmtools
 from lcmtools import Node
-from lcmtools.bus.base import Handler
 from lcmtools.errors import DecodeError, InvalidName
 from lcmtools.messages.codec import encode
-from lcmtools.node.context import Context
 from lcmtools.node.subscription import Losses, Subscription
 from lcmtools.types.geometry_msgs import Twist, TwistStamped
 from lcmtools.types.sensor_msgs import Image
 from lcmtools.types.std_msgs import Int32, String
 
-Begin = Callable[..., Context]
 
-
-def _number(value: int) -> bytes:
+def _number(value):
     message = Int32()
     message.data = value
     return encode(message)
 
 
-def _text(value: str) -> bytes:
+def _text(value):
     message = String()
     message.data = value
     return encode(message)
 
 
-def test_of_a_hundred_messages_the_ten_newest_are_kept_and_the_others_counted(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_of_a_hundred_messages_the_ten_newest_are_kept_and_the_others_counted(begin, bus):
     begin()
     node, heard = Node("a"), []
     subscription = node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
@@ -49,13 +41,11 @@ def test_of_a_hundred_messages_the_ten_newest_are_kept_and_the_others_counted(
     assert endpoint.last_time > 0
 
 
-def test_messages_that_come_during_a_slow_callback_are_kept_the_same_way(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_messages_that_come_during_a_slow_callback_are_kept_the_same_way(begin, bus):
     begin()
     node, heard = Node("a"), []
 
-    def slow(message: Int32) -> None:
+    def slow(message):
         heard.append(message.data)
         if message.data == 0:
             for value in range(1, 101):
@@ -69,13 +59,11 @@ def test_messages_that_come_during_a_slow_callback_are_kept_the_same_way(
     assert subscription.drops == 90
 
 
-def test_what_waits_when_ctrl_c_comes_in_a_callback_is_delivered_later(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_what_waits_when_ctrl_c_comes_in_a_callback_is_delivered_later(begin, bus):
     begin()
     node, heard = Node("a"), []
 
-    def interrupted(message: Int32) -> None:
+    def interrupted(message):
         heard.append(message.data)
         if message.data == 0:
             raise KeyboardInterrupt
@@ -89,13 +77,11 @@ def test_what_waits_when_ctrl_c_comes_in_a_callback_is_delivered_later(
     assert heard == [0, 1]
 
 
-def test_a_message_that_comes_while_its_subscription_is_made_is_not_left_behind(
-    begin: Begin,
-) -> None:
+def test_a_message_that_comes_while_its_subscription_is_made_is_not_left_behind(begin):
     """Another thread may make it, and the spinning one looks in vain between the two steps."""
 
     class EagerBus(FakeBus):
-        def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+        def subscribe(self, channel, handler, *, is_large=False):
             super().subscribe(channel, handler, is_large=is_large)
             if channel == "/n":
                 self.publish("/n", _number(1))
@@ -108,12 +94,10 @@ def test_a_message_that_comes_while_its_subscription_is_made_is_not_left_behind(
     assert heard == [1]
 
 
-def test_two_nodes_of_a_process_each_get_theirs_whoever_spins_first(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_two_nodes_of_a_process_each_get_theirs_whoever_spins_first(begin, bus):
     begin()
     first, second = Node("a"), Node("b")
-    heard: list[str] = []
+    heard = []
     first.create_subscription(Int32, "n", lambda _: heard.append("a"))
     second.create_subscription(Int32, "n", lambda _: heard.append("b"))
     bus.publish("/n", _number(0))
@@ -123,7 +107,7 @@ def test_two_nodes_of_a_process_each_get_theirs_whoever_spins_first(
 
 
 @pytest.mark.parametrize(("depth", "kept"), [(1, 1), (3, 3), (0, 1), (-5, 1), (1000, 20)])
-def test_the_depth_is_how_many_wait(begin: Begin, bus: FakeBus, depth: int, kept: int) -> None:
+def test_the_depth_is_how_many_wait(begin, bus, depth, kept):
     begin()
     node, heard = Node("a"), []
     node.create_subscription(Int32, "n", lambda m: heard.append(m.data), depth)
@@ -134,12 +118,12 @@ def test_the_depth_is_how_many_wait(begin: Begin, bus: FakeBus, depth: int, kept
 
 
 def test_a_callback_that_raises_is_logged_with_topic_and_traceback_and_the_node_goes_on(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
-) -> None:
+    begin, bus, capsys
+):
     begin()
     node, heard = Node("a"), []
 
-    def fail(message: Int32) -> None:
+    def fail(message):
         heard.append(message.data)
         raise RuntimeError(f"no {message.data}")
 
@@ -156,11 +140,11 @@ def test_a_callback_that_raises_is_logged_with_topic_and_traceback_and_the_node_
     assert 'raise RuntimeError(f"no {message.data}")' in log
 
 
-def test_a_broken_off_callback_ends_the_spin(begin: Begin, bus: FakeBus) -> None:
+def test_a_broken_off_callback_ends_the_spin(begin, bus):
     begin()
     node = Node("a")
 
-    def interrupted(_message: Int32) -> None:
+    def interrupted(_message):
         raise KeyboardInterrupt
 
     node.create_subscription(Int32, "n", interrupted)
@@ -181,9 +165,7 @@ def test_a_broken_off_callback_ends_the_spin(begin: Begin, bus: FakeBus) -> None
         (b"payload\0", "expected std_msgs/Int32, got an unknown type (fingerprint 0x7061796c6f616"),
     ],
 )
-def test_what_is_no_such_message_is_one_warning_and_ignored(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str], payload: bytes, what: str
-) -> None:
+def test_what_is_no_such_message_is_one_warning_and_ignored(begin, bus, capsys, payload, what):
     begin()
     node, heard = Node("a"), []
     node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
@@ -198,9 +180,7 @@ def test_what_is_no_such_message_is_one_warning_and_ignored(
     assert f"/n: message ignored: {what}" in log
 
 
-def test_each_topic_with_such_messages_gets_its_warning(
-    begin: Begin, bus: FakeBus, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_each_topic_with_such_messages_gets_its_warning(begin, bus, capsys):
     begin()
     node = Node("a")
     for topic in ("n", "m"):
@@ -214,7 +194,7 @@ def test_each_topic_with_such_messages_gets_its_warning(
     assert "/m: message ignored" in log
 
 
-def test_bytes_after_a_message_do_not_matter(begin: Begin, bus: FakeBus) -> None:
+def test_bytes_after_a_message_do_not_matter(begin, bus):
     begin()
     node, heard = Node("a"), []
     node.create_subscription(Int32, "n", lambda m: heard.append(m.data))
@@ -223,9 +203,7 @@ def test_bytes_after_a_message_do_not_matter(begin: Begin, bus: FakeBus) -> None
     assert heard == [5]
 
 
-def test_several_types_on_one_topic_are_told_apart_by_their_fingerprints(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_several_types_on_one_topic_are_told_apart_by_their_fingerprints(begin, bus):
     begin()
     node, heard = Node("a"), []
     subscription = node.create_subscription((Twist, TwistStamped), "cmd", heard.append)
@@ -237,21 +215,21 @@ def test_several_types_on_one_topic_are_told_apart_by_their_fingerprints(
     assert subscription.endpoint().type == "geometry_msgs/Twist"
 
 
-def test_a_message_of_none_of_several_types_names_them_all() -> None:
+def test_a_message_of_none_of_several_types_names_them_all():
     subscription = Subscription((Twist, TwistStamped), "/cmd", print, 1)
     types = ("geometry_msgs/Twist", "geometry_msgs/TwistStamped", "std_msgs/String")
     with raises_saying(DecodeError, "expected", *types):
         subscription.decode(_text("x"))
 
 
-def test_the_group_is_announced(begin: Begin) -> None:
+def test_the_group_is_announced(begin):
     begin()
     node = Node("a")
     node.create_subscription(Int32, "n", print, group="speed")
     assert [e.group for e in node.describe().endpoints if e.topic == "/n"] == ["speed"]
 
 
-def test_an_illegal_topic_is_refused_and_leaves_nothing(begin: Begin) -> None:
+def test_an_illegal_topic_is_refused_and_leaves_nothing(begin):
     begin()
     node = Node("a")
     before = node.describe()
@@ -263,11 +241,11 @@ def test_an_illegal_topic_is_refused_and_leaves_nothing(begin: Begin) -> None:
     assert node.describe() == before
 
 
-def test_a_destroyed_node_calls_nobody_any_more(begin: Begin, bus: FakeBus) -> None:
+def test_a_destroyed_node_calls_nobody_any_more(begin, bus):
     begin()
     node, heard = Node("a"), []
 
-    def last(message: Int32) -> None:
+    def last(message):
         heard.append(message.data)
         node.destroy_node()
 
@@ -282,13 +260,11 @@ def test_a_destroyed_node_calls_nobody_any_more(begin: Begin, bus: FakeBus) -> N
     assert heard == [1]
 
 
-def test_a_destroyed_subscription_calls_nobody_though_messages_wait(
-    begin: Begin, bus: FakeBus
-) -> None:
+def test_a_destroyed_subscription_calls_nobody_though_messages_wait(begin, bus):
     begin()
     node, heard = Node("a"), []
 
-    def last(message: Int32) -> None:
+    def last(message):
         heard.append(message.data)
         for one in (first, second):
             node.destroy_subscription(one)
@@ -312,18 +288,18 @@ class _LossyBus(FakeBus):
     large: tuple[str, ...] = ()
 
     @property
-    def overflows(self) -> int:
+    def overflows(self):
         return 7
 
-    def lost(self, channel: str) -> int:
+    def lost(self, channel):
         return 5 if channel == "/n" and self.is_later else 2
 
-    def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
+    def subscribe(self, channel, handler, *, is_large=False):
         super().subscribe(channel, handler)
         self.large += (channel,) * is_large
 
 
-def test_a_subscription_tells_what_it_has_lost(begin: Begin) -> None:
+def test_a_subscription_tells_what_it_has_lost(begin):
     bus = _LossyBus()
     begin(bus=bus)
     node = Node("a")

@@ -1,10 +1,9 @@
 """Wrong arguments of the Python API: one line says what was expected."""
 
 import math
-from typing import Any
 
 import pytest
-from fixtures.driver import Begin, Call, Driver
+from fixtures.driver import Driver
 from fixtures.says import assert_says
 
 import lcmtools
@@ -215,14 +214,14 @@ _NAMES_AND_PARAMETERS = [
             "write set_parameters([lcmtools.Parameter('name', value)])"
         ),
     ),
-    (lambda _: Node(None), "Node: the name is a text, got None"),  # type: ignore[arg-type]
+    (lambda _: Node(None), "Node: the name is a text, got None"),
 ]
 
 
 @pytest.mark.parametrize(
     ("call", "line"), [*_TYPES_AND_TOPICS, *_CALLBACKS, *_NAMES_AND_PARAMETERS]
 )
-def test_a_wrong_argument(begin: Begin, call: Call, line: str) -> None:
+def test_a_wrong_argument(begin, call, line):
     begin()
     with pytest.raises(LcmtoolsError) as raised:
         call(Driver())
@@ -230,7 +229,7 @@ def test_a_wrong_argument(begin: Begin, call: Call, line: str) -> None:
 
 
 @pytest.mark.parametrize(("call", "right"), _MISSING_TYPES)
-def test_a_missing_type(begin: Begin, call: Call, right: str) -> None:
+def test_a_missing_type(begin, call, right):
     begin()
     with pytest.raises(LcmtoolsError) as raised:
         call(Driver())
@@ -244,7 +243,7 @@ def test_a_missing_type(begin: Begin, call: Call, right: str) -> None:
 
 
 @pytest.mark.parametrize("callback", [print, [].append, lambda *_: None, str])
-def test_what_can_be_called_with_a_message_is_a_callback(begin: Begin, callback: Any) -> None:
+def test_what_can_be_called_with_a_message_is_a_callback(begin, callback):
     begin()
     Node("a").create_subscription(String, "chatter", callback)
 
@@ -259,16 +258,14 @@ def test_what_can_be_called_with_a_message_is_a_callback(begin: Begin, callback:
         (math.nan, "a timer's period must be positive and finite, got nan s"),
     ],
 )
-def test_a_wrong_period(begin: Begin, period: Any, line: str) -> None:
+def test_a_wrong_period(begin, period, line):
     begin()
     with pytest.raises(LcmtoolsError) as raised:
         Node("a").create_timer(period, print)
     assert str(raised.value) == line
 
 
-def test_a_period_that_is_meant_in_milliseconds_is_a_warning(
-    begin: Begin, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_period_that_is_meant_in_milliseconds_is_a_warning(begin, capsys):
     begin()
     node = Node("a")
     node.create_timer(60.0, print)
@@ -277,7 +274,7 @@ def test_a_period_that_is_meant_in_milliseconds_is_a_warning(
     assert_says(capsys.readouterr().err, "create_timer: ", "500 s", "500 ms", "0.5\n")
 
 
-def _filled(message: Any, **values: object) -> Any:
+def _filled(message, **values):
     for path, value in values.items():
         *parents, name = path.split("__")
         part = message
@@ -317,7 +314,7 @@ def _filled(message: Any, **values: object) -> Any:
          "sensor_msgs/LaserScan: ranges: expected a list of numbers, got 1.0"),
     ],
 )  # fmt: skip
-def test_a_wrong_message_or_value(begin: Begin, kind: Any, message: Any, line: str) -> None:
+def test_a_wrong_message_or_value(begin, kind, message, line):
     begin()
     publisher = Node("a").create_publisher(kind, "x")
     with pytest.raises(LcmtoolsError) as raised:
@@ -334,7 +331,7 @@ def test_a_wrong_message_or_value(begin: Begin, kind: Any, message: Any, line: s
         (SetBool, "/light: expected SetBool.Request, got the class SetBool"),
     ],
 )  # fmt: skip
-def test_a_wrong_request(begin: Begin, request_: Any, line: str) -> None:
+def test_a_wrong_request(begin, request_, line):
     begin()
     client = Node("a").create_client(SetBool, "light")
     with pytest.raises(LcmtoolsError) as raised:

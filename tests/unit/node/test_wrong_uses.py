@@ -1,9 +1,7 @@
 """Wrong uses of the Python API, as newcomers type them: one line says what was expected."""
 
-from collections.abc import Callable
-
 import pytest
-from fixtures.driver import Begin, Call, Driver
+from fixtures.driver import Driver
 from fixtures.says import assert_says, raises_saying
 
 import lcmtools
@@ -18,7 +16,7 @@ from lcmtools.types.std_srvs import Trigger
 class Forgetful(Node):
     """A node that does not initialise Node."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.speed = 1.0
 
 
@@ -35,7 +33,7 @@ class Forgetful(Node):
     ],
     ids=["publisher", "parameter", "logger", "name", "destroy", "spin", "spin_once"],
 )
-def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
+def test_a_forgotten_super_init(begin, use):
     begin()
     node = Forgetful()
     with pytest.raises(LcmtoolsError) as raised:
@@ -51,15 +49,15 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
             "lcmtools.spin() has no node to run; write lcmtools.spin(node)",
         ),
         (
-            lambda _: lcmtools.spin(Driver),  # type: ignore[arg-type]
+            lambda _: lcmtools.spin(Driver),
             "lcmtools.spin needs a node, got the class Driver; write lcmtools.spin(Driver())",
         ),
         (
-            lambda n: lcmtools.spin([n, n]),  # type: ignore[arg-type]
+            lambda n: lcmtools.spin([n, n]),
             "lcmtools.spin needs a node, got a list; write lcmtools.spin(node, other_node)",
         ),
         (
-            lambda _: lcmtools.spin_once(None),  # type: ignore[arg-type]
+            lambda _: lcmtools.spin_once(None),
             "lcmtools.spin_once needs a node, got None; write lcmtools.spin_once(node)",
         ),
         (
@@ -106,33 +104,33 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
             ),
         ),
         (
-            lambda n: lcmtools.spin(node=n),  # type: ignore[call-arg]
+            lambda n: lcmtools.spin(node=n),
             "spin got an unexpected keyword argument 'node'; write spin(node, ...)",
         ),
         (
-            lambda _: Parameter("gain"),  # type: ignore[call-arg]
+            lambda _: Parameter("gain"),
             (
                 "Parameter missing 1 required positional argument: 'value'; "
                 "write Parameter(name, value)"
             ),
         ),
         (
-            lambda _: Parameter("gain", Parameter, 2.0),  # type: ignore[call-arg]
+            lambda _: Parameter("gain", Parameter, 2.0),
             "Parameter got too many arguments; write Parameter(name, value)",
         ),
         (
-            lambda _: Parameter(2.0, "gain"),  # type: ignore[arg-type]
+            lambda _: Parameter(2.0, "gain"),
             "Parameter: the name is a text, got 2.0",
         ),
         (
-            lambda _: lcmtools.message_class(),  # type: ignore[call-arg]
+            lambda _: lcmtools.message_class(),
             (
                 "message_class missing 1 required positional argument: 'name'; "
                 "write message_class(name, number=None)"
             ),
         ),
         (
-            lambda _: lcmtools.message_class(7),  # type: ignore[arg-type]
+            lambda _: lcmtools.message_class(7),
             (
                 "message_class: a type's name is a text, got 7; "
                 "write lcmtools.message_class('std_msgs/String')"
@@ -143,14 +141,14 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
             "info got too many arguments; write info(text, once=False, throttle=0.0)",
         ),
         (
-            lambda _: Node(),  # type: ignore[call-arg]
+            lambda _: Node(),
             (
                 "Node missing 1 required positional argument: 'name'; "
                 "write Node(name, namespace='', tool=False, context=None)"
             ),
         ),
         (
-            lambda n: lcmtools.spin_once(n, timeout_sec=0.1),  # type: ignore[call-arg]
+            lambda n: lcmtools.spin_once(n, timeout_sec=0.1),
             (
                 "spin_once got an unexpected keyword argument 'timeout_sec'; "
                 "write spin_once(node, timeout=0.0)"
@@ -158,14 +156,14 @@ def test_a_forgotten_super_init(begin: Begin, use: Call) -> None:
         ),
     ],
 )
-def test_a_wrong_call(begin: Begin, call: Call, line: str) -> None:
+def test_a_wrong_call(begin, call, line):
     begin()
     with pytest.raises(LcmtoolsError) as raised:
         call(Driver())
     assert str(raised.value) == line
 
 
-def test_to_spin_in_a_callback_is_an_error_of_the_callback(begin: Begin) -> None:
+def test_to_spin_in_a_callback_is_an_error_of_the_callback(begin):
     context = begin()
     node = Node("a")
 
@@ -177,7 +175,7 @@ def test_to_spin_in_a_callback_is_an_error_of_the_callback(begin: Begin) -> None
     lcmtools.spin(node)  # after the end it returns at once
 
 
-def test_after_the_end_of_a_node_its_use_is_an_error(begin: Begin) -> None:
+def test_after_the_end_of_a_node_its_use_is_an_error(begin):
     begin()
     node = Node("a")
     publisher, other = node.create_publisher(String, "x"), node.create_publisher(String, "y")
@@ -199,32 +197,32 @@ def test_after_the_end_of_a_node_its_use_is_an_error(begin: Begin) -> None:
     node.get_logger().info("the log works on")
 
 
-def test_names_of_ros_lead_to_those_of_lcmtools(begin: Begin) -> None:
+def test_names_of_ros_lead_to_those_of_lcmtools(begin):
     begin()
     with raises_saying(LcmtoolsError, "'init_node'", "write lcmtools.init"):
-        lcmtools.init_node("a")  # type: ignore[attr-defined]
+        lcmtools.init_node("a")
     with raises_saying(LcmtoolsError, "'Rate'", "write rate = node.create_rate(10)"):
-        from lcmtools import Rate  # type: ignore[attr-defined]  # noqa: F401
+        from lcmtools import Rate  # noqa: F401
     with raises_saying(AttributeError, "'get_name'", "write node.name"):
-        Node("a").get_name()  # type: ignore[attr-defined]
+        Node("a").get_name()
     assert not hasattr(lcmtools, "no_such_name")
     assert not hasattr(Node("b"), "no_such_name")
 
 
-def test_a_property_that_lacks_an_attribute_names_that_one(begin: Begin) -> None:
+def test_a_property_that_lacks_an_attribute_names_that_one(begin):
     class Robot(Node):
         @property
-        def error(self) -> float:
-            return self.desired - self.measurd  # type: ignore[attr-defined,no-any-return]
+        def error(self):
+            return self.desired - self.measurd
 
     begin()
     robot = Robot("a")
-    robot.desired = 1.0  # type: ignore[attr-defined]
+    robot.desired = 1.0
     with pytest.raises(AttributeError, match="'Robot' object has no attribute 'measurd'"):
         robot.error  # noqa: B018 - it raises
 
 
-def test_a_client_of_a_destroyed_node_does_not_wait(begin: Begin) -> None:
+def test_a_client_of_a_destroyed_node_does_not_wait(begin):
     begin()
     node = Node("a")
     client = node.create_client(Trigger, "reset")
@@ -233,22 +231,20 @@ def test_a_client_of_a_destroyed_node_does_not_wait(begin: Begin) -> None:
         client.call(Trigger.Request())
 
 
-def test_a_service_that_returns_nothing_says_so(
-    begin: Begin, serve: Callable[[Node], None]
-) -> None:
+def test_a_service_that_returns_nothing_says_so(begin, serve):
     begin()
     node = Node("a")
-    node.create_service(Trigger, "reset", lambda _request, _response: None)  # type: ignore[arg-type,return-value]
+    node.create_service(Trigger, "reset", lambda _request, _response: None)
     serve(node)
     client = Node("b").create_client(Trigger, "reset")
     with raises_saying(LcmtoolsError, "None", "; ", "return response"):
         client.call(Trigger.Request())
 
 
-def test_a_type_error_inside_of_a_call_stays_one(begin: Begin) -> None:
+def test_a_type_error_inside_of_a_call_stays_one(begin):
     begin()
     node = Node("a")
-    node.add_on_set_parameters_callback(lambda _: len(5))  # type: ignore[arg-type]
+    node.add_on_set_parameters_callback(lambda _: len(5))
     node.declare_parameter("gain", 1.0)
     with pytest.raises(TypeError, match="has no len"):
         node.set_parameters([Parameter("gain", 2.0)])

@@ -1,7 +1,6 @@
 """The node that measures how well a controller does."""
 
 import math
-from typing import Any
 
 import pytest
 
@@ -11,37 +10,37 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 
 
-def _twist(forward: float, turn_rate: float) -> Twist:
+def _twist(forward, turn_rate):
     twist = Twist()
     twist.linear.x, twist.angular.z = forward, turn_rate
     return twist
 
 
-def _odometry(forward: float, turn_rate: float) -> Odometry:
+def _odometry(forward, turn_rate):
     message = Odometry()
     message.twist.twist = _twist(forward, turn_rate)
     return message
 
 
-def _stats(bench: Any) -> list[tuple[int, float, float]]:
+def _stats(bench):
     heard = bench.published("/evaluation_stat", ControllerEvaluationStat)
     return [(stat.samples, stat.last_error, stat.average_error) for stat in heard]
 
 
-def test_average_is_the_root_of_the_mean_of_squares(bench: Any) -> None:
+def test_average_is_the_root_of_the_mean_of_squares(bench):
     bench.start(EvaluateController)
     bench.publish("/desired_velocity", _twist(0.0, 0.0))
     bench.publish("/odometry", *(_odometry(error, 0.0) for error in (3.0, 4.0, 0.0, 0.0)))
     assert _stats(bench)[-1] == (4, 0.0, 2.5)
 
 
-def test_nothing_is_measured_before_the_first_desired_velocity(bench: Any) -> None:
+def test_nothing_is_measured_before_the_first_desired_velocity(bench):
     bench.start(EvaluateController)
     bench.publish("/odometry", _odometry(1.0, 0.0), _odometry(1.0, 0.0))
     assert _stats(bench) == []
 
 
-def test_each_odometry_message_is_one_sample(bench: Any) -> None:
+def test_each_odometry_message_is_one_sample(bench):
     bench.start(EvaluateController)
     bench.publish("/desired_velocity", _twist(0.5, 0.2))
     bench.publish("/odometry", _odometry(0.2, 0.6), _odometry(0.5, 0.2))
@@ -49,16 +48,14 @@ def test_each_odometry_message_is_one_sample(bench: Any) -> None:
     assert _stats(bench) == [pytest.approx(stat) for stat in expected]
 
 
-def test_error_is_that_to_the_newest_desired_velocity(bench: Any) -> None:
+def test_error_is_that_to_the_newest_desired_velocity(bench):
     bench.start(EvaluateController)
     bench.publish("/desired_velocity", _twist(0.5, 0.0), _twist(0.0, 0.0))
     bench.publish("/odometry", _odometry(0.3, 0.4))
     assert _stats(bench) == [pytest.approx((1, 0.5, 0.5))]
 
 
-def test_velocity_that_is_not_finite_does_not_spoil_the_average(
-    bench: Any, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_velocity_that_is_not_finite_does_not_spoil_the_average(bench, capsys):
     bench.start(EvaluateController)
     bench.publish("/desired_velocity", _twist(0.5, 0.0))
     bench.publish(

@@ -1,19 +1,18 @@
 """The node that follows a path, with a robot that does exactly what it commands. Metres."""
 
 import math
-from typing import Any
 
 import pytest
 
-from lcmtools.labs.nodes.path_follower import PathFollower, Point, Pursuit
+from lcmtools.labs.nodes.path_follower import PathFollower, Pursuit
 from lcmtools.types.geometry_msgs import PoseStamped, Twist
 from lcmtools.types.nav_msgs import Odometry, Path
 
 ANGLES = [math.tau * n / 100 for n in range(101)]
-CIRCLE: list[Point] = [(2 * math.sin(angle), 2 - 2 * math.cos(angle)) for angle in ANGLES]
+CIRCLE = [(2 * math.sin(angle), 2 - 2 * math.cos(angle)) for angle in ANGLES]
 
 
-def path_of(points: list[Point]) -> Path:
+def path_of(points):
     message = Path()
     for point in points:
         pose = PoseStamped()
@@ -22,7 +21,7 @@ def path_of(points: list[Point]) -> Path:
     return message
 
 
-def at(x: float, y: float, heading: float = 0.0) -> Odometry:
+def at(x, y, heading=0.0):
     message = Odometry()
     pose = message.pose.pose
     pose.position.x, pose.position.y = x, y
@@ -30,7 +29,7 @@ def at(x: float, y: float, heading: float = 0.0) -> Odometry:
     return message
 
 
-def test_a_robot_stays_on_a_closed_path_and_comes_to_its_end() -> None:
+def test_a_robot_stays_on_a_closed_path_and_comes_to_its_end():
     pursuit = Pursuit(CIRCLE)
     x, y, heading = 0.0, 0.1, 0.3  # beside the path
     strays, step = [], 0.01
@@ -48,7 +47,7 @@ def test_a_robot_stays_on_a_closed_path_and_comes_to_its_end() -> None:
 
 
 @pytest.mark.parametrize("piece", [0.5, 1.0, 4.0])
-def test_a_robot_follows_long_pieces(piece: float) -> None:
+def test_a_robot_follows_long_pieces(piece):
     pursuit = Pursuit([(piece * n, 0.0) for n in range(round(8 / piece) + 1)])
     x, y, heading, step = 0.0, 0.1, 0.0, 0.01
     strays = []
@@ -63,7 +62,7 @@ def test_a_robot_follows_long_pieces(piece: float) -> None:
     assert max(strays) <= 0.1
 
 
-def test_it_drives_with_each_pose_and_stops_at_the_end(bench: Any) -> None:
+def test_it_drives_with_each_pose_and_stops_at_the_end(bench):
     bench.start(PathFollower)
     bench.publish("/ground_truth", at(0, 0))
     assert bench.published("/RosAria/cmd_vel", Twist) == []
@@ -78,7 +77,7 @@ def test_it_drives_with_each_pose_and_stops_at_the_end(bench: Any) -> None:
     assert sent[2].angular.z == 0
 
 
-def test_a_path_without_poses_and_one_that_is_repeated_change_nothing(bench: Any) -> None:
+def test_a_path_without_poses_and_one_that_is_repeated_change_nothing(bench):
     bench.start(PathFollower)
     path = path_of([(0, 0), (0.3, 0), (0.6, 0)])
     bench.publish("/path", Path(), path)

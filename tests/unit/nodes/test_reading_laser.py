@@ -1,7 +1,6 @@
 """reading_laser: a scan in one line."""
 
 import math
-from typing import Any
 
 import pytest
 
@@ -9,7 +8,7 @@ from lcmtools.labs.nodes.reading_laser import ReadingLaser, describe
 from lcmtools.types.sensor_msgs import LaserScan
 
 
-def scan(*ranges: float, first: float = -1.0, step: float = 1.0) -> LaserScan:
+def scan(*ranges, first=-1.0, step=1.0):
     message = LaserScan()
     message.angle_min, message.angle_increment = first, step
     message.range_min, message.range_max = 0.05, 10.0
@@ -36,11 +35,11 @@ def scan(*ranges: float, first: float = -1.0, step: float = 1.0) -> LaserScan:
         (scan(1.0, first=math.nan), "1 ranges that cannot be read"),
     ],
 )
-def test_scan_is_told_in_a_line(message: LaserScan, line: str) -> None:
+def test_scan_is_told_in_a_line(message, line):
     assert describe(message) == line
 
 
-def test_lines_come_twice_a_second(bench: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_lines_come_twice_a_second(bench, capsys):
     bench.start(ReadingLaser, "_use_sim_time:=true")
     for time in range(1, 13):
         bench.advance_time(time / 10)

@@ -32,27 +32,25 @@ class Plant:
     left: float = 0.0
     right: float = 0.0
 
-    def velocity(self) -> Velocity:
+    def velocity(self):
         """The reading of a perfect odometer."""
         return Velocity((self.left + self.right) / 2, (self.right - self.left) / self.track)
 
-    def advance(self, efforts: tuple[float, float]) -> None:
+    def advance(self, efforts):
         """Go on for one STEP."""
         self.left += self._change(efforts[0], self.left)
         self.right += self._change(efforts[1], self.right)
 
-    def _change(self, effort: float, speed: float) -> float:
+    def _change(self, effort, speed):
         target = max(-1.0, min(1.0, effort)) * self.full_speed
         change = (target - speed) * STEP / (self.lag + STEP)
         return max(-3.0 * STEP, min(3.0 * STEP, change))
 
 
-def _drive(
-    plant: Plant, control: VelocityControl, desired: Velocity, rate: float, start: float = 0.0
-) -> list[Velocity]:
+def _drive(plant, control, desired, rate, start=0.0):
     """Velocities in each step of four seconds, the odometry coming at a rate [Hz]."""
     applied = (0.0, 0.0)
-    waiting: list[tuple[float, tuple[float, float]]] = []
+    waiting = []
     velocities = []
     samples = 0
     for i in range(round(4 / STEP)):
@@ -68,7 +66,7 @@ def _drive(
     return velocities
 
 
-def _assert_keeps(velocities: list[Velocity], desired: Velocity) -> None:
+def _assert_keeps(velocities, desired):
     """From SETTLED on: forward within 5 % or 5 mm/s, turn rate within 10 % or 10 mrad/s."""
     for velocity in velocities[round(SETTLED / STEP) :]:
         assert velocity.forward == pytest.approx(desired.forward, rel=0.05, abs=0.005)
@@ -91,7 +89,7 @@ DESIRED = [
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("desired", DESIRED)
-def test_robot_comes_to_the_desired_velocity_and_keeps_it(desired: Velocity, rate: float) -> None:
+def test_robot_comes_to_the_desired_velocity_and_keeps_it(desired, rate):
     velocities = _drive(Plant(), VelocityControl(Gains()), desired, rate)
     _assert_keeps(velocities, desired)
     last_second = velocities[-round(1 / STEP) :]
@@ -102,7 +100,7 @@ def test_robot_comes_to_the_desired_velocity_and_keeps_it(desired: Velocity, rat
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("speed", [0.1, 0.5, 0.9, 1.0, -0.5])
-def test_speed_does_not_overshoot(speed: float, rate: float) -> None:
+def test_speed_does_not_overshoot(speed, rate):
     velocities = _drive(Plant(), VelocityControl(Gains()), Velocity(speed, 0.0), rate)
     assert max(abs(velocity.forward) for velocity in velocities) < abs(speed) * 1.01
 
@@ -121,9 +119,7 @@ def test_speed_does_not_overshoot(speed: float, rate: float) -> None:
     ],
     ids=str,
 )
-def test_robot_that_differs_from_the_model_is_controlled_all_the_same(
-    plant: Plant, rate: float
-) -> None:
+def test_robot_that_differs_from_the_model_is_controlled_all_the_same(plant, rate):
     desired = Velocity(0.5, 0.3)
     robot = replace(plant)  # each test its own
     _assert_keeps(_drive(robot, VelocityControl(Gains()), desired, rate), desired)
@@ -131,7 +127,7 @@ def test_robot_that_differs_from_the_model_is_controlled_all_the_same(
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("before", [Velocity(1.0, 0.0), Velocity(-0.5, 0.5), Velocity(0.1, 0.1)])
-def test_robot_stops_and_no_effort_is_left_over(before: Velocity, rate: float) -> None:
+def test_robot_stops_and_no_effort_is_left_over(before, rate):
     plant, control = Plant(), VelocityControl(Gains())
     _drive(plant, control, before, rate)
     velocities = _drive(plant, control, Velocity(0.0, 0.0), rate, start=4.0)
@@ -141,7 +137,7 @@ def test_robot_stops_and_no_effort_is_left_over(before: Velocity, rate: float) -
 
 
 @pytest.mark.parametrize("rate", RATES)
-def test_robot_turns_round_from_full_speed_ahead_to_full_speed_astern(rate: float) -> None:
+def test_robot_turns_round_from_full_speed_ahead_to_full_speed_astern(rate):
     plant, control = Plant(), VelocityControl(Gains())
     for start, speed in ((0.0, 1.0), (4.0, -1.0)):
         desired = Velocity(speed, 0.0)
@@ -150,9 +146,7 @@ def test_robot_turns_round_from_full_speed_ahead_to_full_speed_astern(rate: floa
 
 @pytest.mark.parametrize("rate", RATES)
 @pytest.mark.parametrize("desired", [Velocity(1.0, 0.5), Velocity(1.0, -3.0), Velocity(-5.0, 1.0)])
-def test_velocity_out_of_reach_is_driven_slower_on_the_same_curve(
-    desired: Velocity, rate: float
-) -> None:
+def test_velocity_out_of_reach_is_driven_slower_on_the_same_curve(desired, rate):
     plant, control = Plant(), VelocityControl(Gains())
     velocities = _drive(plant, control, desired, rate)
     end = velocities[-1]
@@ -162,7 +156,7 @@ def test_velocity_out_of_reach_is_driven_slower_on_the_same_curve(
     _assert_keeps(_drive(plant, control, feasible, rate, start=4.0), feasible)
 
 
-def test_robot_that_is_held_does_not_wind_the_controller_up() -> None:
+def test_robot_that_is_held_does_not_wind_the_controller_up():
     control = SideControl()
     for _ in range(1000):
         assert control.effort(0.5, 0.02, Gains()) <= 1.0
@@ -186,7 +180,7 @@ def test_robot_that_is_held_does_not_wind_the_controller_up() -> None:
     ],
     ids=["a step", "standing still", "a gap", "set back", "on from there"],
 )
-def test_only_sane_steps_of_time_are_integrated(times: list[float], integrated: float) -> None:
+def test_only_sane_steps_of_time_are_integrated(times, integrated):
     control = VelocityControl(Gains(kp=0.0, ki=1.0))
     efforts = [
         control.efforts(Velocity(1.0, 0.0), Velocity(0.0, 0.0), round(time * 1e9)) for time in times
@@ -199,9 +193,7 @@ VELOCITIES = st.builds(Velocity, NUMBERS, NUMBERS)
 
 
 @given(st.lists(st.tuples(VELOCITIES, VELOCITIES, st.integers(0, 2**62)), max_size=6))
-def test_efforts_stay_within_the_limits_whatever_comes(
-    calls: list[tuple[Velocity, Velocity, int]],
-) -> None:
+def test_efforts_stay_within_the_limits_whatever_comes(calls):
     control = VelocityControl(Gains())
     for desired, measured, time in calls:
         for effort in control.efforts(desired, measured, time):
@@ -209,7 +201,7 @@ def test_efforts_stay_within_the_limits_whatever_comes(
 
 
 @pytest.mark.parametrize("broken", [math.nan, math.inf, -math.inf])
-def test_velocity_knows_whether_it_can_be_calculated_with(broken: float) -> None:
+def test_velocity_knows_whether_it_can_be_calculated_with(broken):
     assert Velocity(1.0, -2.0).is_finite()
     assert not Velocity(broken, 0.0).is_finite()
     assert not Velocity(0.0, broken).is_finite()

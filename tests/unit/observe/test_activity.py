@@ -10,7 +10,7 @@ S = 1_000_000_000
 START = 1_795_000_000 * S
 
 
-def arrived(*times: float, window: float | None = 2.0, size: int = 10) -> Activity:
+def arrived(*times, window=2.0, size=10):
     """An activity after messages on A at some times [s]."""
     activity = Activity(window)
     for time in times:
@@ -18,13 +18,13 @@ def arrived(*times: float, window: float | None = 2.0, size: int = 10) -> Activi
     return activity
 
 
-def flow(activity: Activity, now: float) -> Flow:
+def flow(activity, now):
     found = activity.flow("A", START + round(now * S))
     assert found is not None
     return found
 
 
-def test_rate_is_one_over_the_mean_interval_and_jitter_their_spread() -> None:
+def test_rate_is_one_over_the_mean_interval_and_jitter_their_spread():
     found = flow(arrived(0, 0.1, 0.3, 0.4), 0.4)
     assert found.rate == pytest.approx(3 / 0.4)
     assert found.jitter == pytest.approx(0.1)
@@ -32,17 +32,17 @@ def test_rate_is_one_over_the_mean_interval_and_jitter_their_spread() -> None:
     assert (found.messages, found.bytes, found.last_time) == (4, 40, START + round(0.4 * S))
 
 
-def test_a_channel_of_which_nothing_has_come_has_no_flow() -> None:
+def test_a_channel_of_which_nothing_has_come_has_no_flow():
     assert arrived().flow("A", START) is None
 
 
-def test_one_message_is_no_rate_and_two_are_no_jitter() -> None:
+def test_one_message_is_no_rate_and_two_are_no_jitter():
     first, second = flow(arrived(0), 0), flow(arrived(0, 0.5), 0.5)
     assert (first.messages, first.rate, first.jitter, first.bandwidth) == (1, None, None, None)
     assert (second.rate, second.jitter) == (pytest.approx(2), None)
 
 
-def test_what_is_older_than_the_window_no_longer_counts() -> None:
+def test_what_is_older_than_the_window_no_longer_counts():
     slow = [i * 1.0 for i in range(5)]
     fast = [4 + i * 0.1 for i in range(1, 31)]
     activity = arrived(*slow, *fast)
@@ -50,21 +50,21 @@ def test_what_is_older_than_the_window_no_longer_counts() -> None:
     assert flow(activity, 7.0).messages == 35
 
 
-def test_without_a_window_everything_counts_and_nothing_is_ever_silent() -> None:
+def test_without_a_window_everything_counts_and_nothing_is_ever_silent():
     times = [0.0, 1.0, 2.0, 2.1, 2.2]
     found = flow(arrived(*times, window=None), 100.0)
     assert found.rate == pytest.approx(4 / 2.2)
     assert found.jitter == pytest.approx(0.9)
 
 
-def test_a_slow_channel_keeps_its_rate_between_messages() -> None:
+def test_a_slow_channel_keeps_its_rate_between_messages():
     activity = arrived(0, 5, 10, 15)
     assert flow(activity, 19).rate == pytest.approx(0.2)
     assert flow(activity, 29).rate == pytest.approx(0.2)
     assert flow(activity, 31).rate == 0.0
 
 
-def test_a_channel_falls_silent_and_wakes_again() -> None:
+def test_a_channel_falls_silent_and_wakes_again():
     activity = arrived(*(i * 0.1 for i in range(11)))
     assert flow(activity, 3.9).rate == pytest.approx(10)
     assert flow(activity, 4.1) == Flow(11, 110, START + S, 0.0, None, 0.0)
@@ -73,26 +73,26 @@ def test_a_channel_falls_silent_and_wakes_again() -> None:
     assert flow(activity, 13.9).rate == pytest.approx(10)
 
 
-def test_bandwidth_counts_whole_messages_where_only_heads_came() -> None:
+def test_bandwidth_counts_whole_messages_where_only_heads_came():
     activity = Activity(None)
     for i in range(3):
         activity.add(Packet("A", bytes(8), START + i * S, whole_bytes=1000))
     assert flow(activity, 3).bandwidth == pytest.approx(1000)
 
 
-def test_times_that_go_back_are_no_harm() -> None:
+def test_times_that_go_back_are_no_harm():
     found = flow(arrived(1.0, 0.5, 1.5), 1.5)
     assert found.rate == pytest.approx(2)
     assert flow(arrived(1.0, 1.0), 1.0).rate is None
 
 
-def test_clear_begins_again() -> None:
+def test_clear_begins_again():
     activity = arrived(0, 1)
     activity.clear()
     assert activity.flow("A", START) is None
 
 
-def test_all_topics_at_once_are_those_one_by_one() -> None:
+def test_all_topics_at_once_are_those_one_by_one():
     here, there = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
     ends = (Endpoint("/a", Role.PUBLISHER), Endpoint("/b", Role.SUBSCRIBER))
     nodes = (

@@ -37,7 +37,7 @@ ROWS = (
 )
 
 
-def test_the_whole_table_where_there_is_room() -> None:
+def test_the_whole_table_where_there_is_room():
     heading, camera, pose, quiet = table(ROWS, None)
     assert heading.split() == [name.upper() for name in ("channel", "type", "messages", "Hz")] + [
         "JITTER",
@@ -60,7 +60,7 @@ def test_the_whole_table_where_there_is_room() -> None:
     )
 
 
-def test_on_eighty_columns_texts_are_cut_and_what_matters_least_is_left_out() -> None:
+def test_on_eighty_columns_texts_are_cut_and_what_matters_least_is_left_out():
     assert table(ROWS, 80) == [
         "CHANNEL                    TYPE            HZ JITTER BANDWIDTH LOSS SENDERS",
         "/robot0/f…/depth/image_raw …/Image      29.97 3.1 ms 18.4 MB/s 2.0% /robot0/cam…",
@@ -70,15 +70,15 @@ def test_on_eighty_columns_texts_are_cut_and_what_matters_least_is_left_out() ->
 
 
 @pytest.mark.parametrize("room", [20, 42, 80, 120])
-def test_no_line_is_wider_than_the_terminal_down_to_what_cannot_be_cut(room: int) -> None:
+def test_no_line_is_wider_than_the_terminal_down_to_what_cannot_be_cut(room):
     assert max(map(width_of, table(ROWS, room))) <= max(room, 42)
 
 
-def test_an_empty_table_is_its_heading() -> None:
+def test_an_empty_table_is_its_heading():
     assert len(table((), 80)) == 1
 
 
-def test_wide_characters_take_two_places() -> None:
+def test_wide_characters_take_two_places():
     wide = (ChannelRow("温度センサー", senders=("x",)), ChannelRow("plain", senders=("y",)))
     lines = table(wide, None)
     assert width_of("温度") == 4
@@ -100,13 +100,11 @@ def test_wide_characters_take_two_places() -> None:
         ("温度センサー", 6, "end", "温度…"),
     ],
 )
-def test_texts_are_cut_where_they_say_least(
-    text: str, width: int, where: str, expected: str
-) -> None:
-    assert cut(text, width, where) == expected  # type: ignore[arg-type] # one of Cut
+def test_texts_are_cut_where_they_say_least(text, width, where, expected):
+    assert cut(text, width, where) == expected
 
 
-def test_control_characters_are_escaped() -> None:
+def test_control_characters_are_escaped():
     assert "\x1b" not in "".join(table((ChannelRow("\x1b[2J"),), None))
 
 
@@ -115,11 +113,11 @@ def test_control_characters_are_escaped() -> None:
     [(None, "-"), (0, "0 B"), (999, "999 B"), (1000, "1.00 KB"), (99_960, "100 KB"),
      (12_345_678, "12.3 MB"), (5e12, "5000 GB")],
 )  # fmt: skip
-def test_sizes_have_three_digits(value: float | None, text: str) -> None:
+def test_sizes_have_three_digits(value, text):
     assert size_text(value) == text
 
 
-def test_numbers_are_written_as_short_as_they_may_be() -> None:
+def test_numbers_are_written_as_short_as_they_may_be():
     assert [rate_text(v) for v in (None, 0.0, 0.2, 49.996, 12345.6)] == [
         "-", "0", "0.20", "50.00", "12346",
     ]  # fmt: skip
@@ -134,12 +132,12 @@ def test_numbers_are_written_as_short_as_they_may_be() -> None:
     ]  # fmt: skip
 
 
-def test_a_loss_is_never_written_as_none() -> None:
+def test_a_loss_is_never_written_as_none():
     texts = [loss_text(v) for v in (None, 0.0, 1e-6, 0.034, 0.5, 1.0)]
     assert texts == ["-", "0", "0.1%", "3.4%", "50%", "100%"]
 
 
-def test_a_type_by_fingerprint_says_how_many_others_it_may_be() -> None:
+def test_a_type_by_fingerprint_says_how_many_others_it_may_be():
     types = ("geometry_msgs/Vector3", "geometry_msgs/Point", "own/Three")
     assert type_text(ChannelRow("A", types)) == "geometry_msgs/Vector3 +2"
     assert type_text(ChannelRow("A", types[:1])) == "geometry_msgs/Vector3"
@@ -147,7 +145,7 @@ def test_a_type_by_fingerprint_says_how_many_others_it_may_be() -> None:
     assert (type_text(ChannelRow("A", messages=1)), type_text(ChannelRow("A"))) == ("?", "-")
 
 
-def test_every_column_has_a_key_of_its_own() -> None:
+def test_every_column_has_a_key_of_its_own():
     letters = [column.letter for column in COLUMNS.values()]
     assert len(set(letters)) == len(letters)
     assert not set(letters) & set("qchI")
@@ -161,27 +159,27 @@ MIXED = (
 )
 
 
-def shown(view: TableView, *, steady: bool = False) -> list[str]:
+def shown(view, *, steady=False):
     return [row.channel for row in view.rows(MIXED, steady=steady)]
 
 
-def test_numbers_are_sorted_from_the_largest_and_what_has_none_is_last_either_way() -> None:
+def test_numbers_are_sorted_from_the_largest_and_what_has_none_is_last_either_way():
     assert shown(TableView("rate")) == ["/d", "/b", "/c", "/a"]
     assert shown(TableView("rate", inverted=True)) == ["/c", "/b", "/d", "/a"]
     assert shown(TableView("messages")) == ["/c", "/b", "/a", "/d"]
 
 
-def test_texts_are_sorted_from_a() -> None:
+def test_texts_are_sorted_from_a():
     assert shown(TableView()) == ["/a", "/b", "/c", "/d"]
     assert shown(TableView("type")) == ["/d", "/c", "/a", "/b"]
     assert shown(TableView("channel", inverted=True)) == ["/d", "/c", "/b", "/a"]
 
 
-def test_what_hardly_differs_keeps_its_place_on_the_screen() -> None:
+def test_what_hardly_differs_keeps_its_place_on_the_screen():
     assert shown(TableView("rate"), steady=True) == ["/b", "/d", "/c", "/a"]
 
 
-def test_a_filter_looks_at_channel_type_sender_and_listener_ignoring_case() -> None:
+def test_a_filter_looks_at_channel_type_sender_and_listener_ignoring_case():
     found = {
         text: [r.channel for r in matching(MIXED, text)] for text in ("STD", "talk", "moni", "/b")
     }
@@ -189,14 +187,14 @@ def test_a_filter_looks_at_channel_type_sender_and_listener_ignoring_case() -> N
     assert shown(TableView(text="nothing has this")) == []
 
 
-def test_the_same_column_again_turns_the_order_round_and_another_begins_as_usual() -> None:
+def test_the_same_column_again_turns_the_order_round_and_another_begins_as_usual():
     view = TableView().sorted_by("rate")
     assert (view.column, view.inverted) == ("rate", False)
     assert view.sorted_by("rate").inverted
     assert not view.sorted_by("rate").sorted_by("loss").inverted
 
 
-def test_next_and_previous_columns_go_round() -> None:
+def test_next_and_previous_columns_go_round():
     assert TableView().moved(1).column == "type"
     assert TableView().moved(-1).column == "listeners"
     assert TableView("listeners").moved(1).column == "channel"

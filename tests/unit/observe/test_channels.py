@@ -20,26 +20,26 @@ FAR = Sender("10.9.8.7", 3000)
 POINT = encode(Vector3())
 
 
-def names() -> SenderNames:
+def names():
     process = Process(42, "/usr/bin/python3 -u /home/me/drive.py --fast")
     rows = {1: UdpSocket("127.0.0.1", 2000, 1, 0, 0)}
     return SenderNames(lambda _: SocketTable(rows, {1: process}))
 
 
-def packet(channel: str, sender: Sender | None, seqno: int = 0, payload: bytes = POINT) -> Packet:
+def packet(channel, sender, seqno=0, payload=POINT):
     return Packet(channel, payload, NOW + seqno * S // 10, sender, seqno)
 
 
 def make(
-    packets: list[Packet],
-    nodes: tuple[Node, ...] = (),
-    selection: ChannelSelection = ChannelSelection(),  # noqa: B008 - frozen
+    packets,
+    nodes=(),
+    selection=ChannelSelection(),  # noqa: B008 - frozen
     *,
-    with_numbers: bool = True,
-) -> dict[str, ChannelRow]:
+    with_numbers=True,
+):
     """The rows of a bus, by channel."""
     activity, builder = Activity(), GraphBuilder()
-    numbers: dict[Sender, Sequence] = {}
+    numbers = {}
     for one in packets:
         activity.add(one)
         builder.add(one)
@@ -52,11 +52,11 @@ def make(
     return {row.channel: row for row in rows}
 
 
-def node(name: str, *ends: Endpoint, sender: Sender | None = None, stale: str = "") -> Node:
+def node(name, *ends, sender=None, stale=""):
     return Node(name, name, "h", 7, endpoints=ends, sender=sender, stale=Staleness(stale))
 
 
-def test_a_node_that_publishes_is_named_and_its_type_counts() -> None:
+def test_a_node_that_publishes_is_named_and_its_type_counts():
     ends = (Endpoint("/a", Role.PUBLISHER, ("geometry_msgs/Point",)),)
     row = make([packet("/a", NODE, i) for i in range(3)], (node("/n", *ends, sender=NODE),))["/a"]
     assert (row.types, row.is_announced, row.senders) == (("geometry_msgs/Point",), True, ("/n",))
@@ -64,14 +64,14 @@ def test_a_node_that_publishes_is_named_and_its_type_counts() -> None:
     assert row.age == 1.8
 
 
-def test_a_program_that_is_no_node_is_named_by_its_process_else_by_its_address() -> None:
+def test_a_program_that_is_no_node_is_named_by_its_process_else_by_its_address():
     rows = make([packet("A", PROGRAM), packet("B", FAR), packet("C", None)])
     assert rows["A"].senders == ("drive.py (pid 42)",)
     assert rows["B"].senders == ("10.9.8.7:3000",)
     assert rows["C"].senders == ("unknown sender",)
 
 
-def test_what_is_announced_but_silent_has_a_row() -> None:
+def test_what_is_announced_but_silent_has_a_row():
     ends = (Endpoint("/a", Role.PUBLISHER), Endpoint("/b", Role.SUBSCRIBER, ("std_msgs/String",)))
     rows = make([], (node("/n", *ends),))
     assert rows["/a"] == ChannelRow("/a", senders=("/n",))
@@ -79,14 +79,14 @@ def test_what_is_announced_but_silent_has_a_row() -> None:
     assert rows["/b"].is_silent
 
 
-def test_types_that_are_not_announced_are_all_that_the_fingerprint_may_mean() -> None:
+def test_types_that_are_not_announced_are_all_that_the_fingerprint_may_mean():
     rows = make([packet("A", PROGRAM), packet("N", PROGRAM, payload=bytes(20))])
     assert {"geometry_msgs/Vector3", "geometry_msgs/Point"} <= set(rows["A"].types)
     assert not rows["A"].is_announced
     assert rows["N"].types == ()
 
 
-def test_a_channel_that_names_its_type_has_that_one_where_it_can_be() -> None:
+def test_a_channel_that_names_its_type_has_that_one_where_it_can_be():
     channels = ("/a#geometry_msgs.Point", "/b#geometry_msgs.Vector3", "/c#std_msgs.String")
     rows = make([packet(channel, PROGRAM) for channel in channels])
     assert rows[channels[0]].types[0] == "geometry_msgs/Point"
@@ -94,7 +94,7 @@ def test_a_channel_that_names_its_type_has_that_one_where_it_can_be() -> None:
     assert "std_msgs/String" not in rows[channels[2]].types
 
 
-def test_loss_is_that_of_the_channels_senders_whatever_the_channel() -> None:
+def test_loss_is_that_of_the_channels_senders_whatever_the_channel():
     numbers = [0, 1, 3, 4, 5, 7]
     sent = [packet("AB"[i % 2], PROGRAM, number) for i, number in enumerate(numbers)]
     rows = make([*sent, packet("C", FAR, 5)])
@@ -103,12 +103,12 @@ def test_loss_is_that_of_the_channels_senders_whatever_the_channel() -> None:
     assert (rows["C"].lost, rows["C"].loss) == (0, 0.0)
 
 
-def test_loss_is_not_known_where_the_bus_numbers_nothing() -> None:
+def test_loss_is_not_known_where_the_bus_numbers_nothing():
     assert make([packet("A", None)])["A"].lost is None
     assert make([packet("A", PROGRAM)], with_numbers=False)["A"].loss is None
 
 
-def test_hidden_channels_and_looking_commands_are_left_out_unless_they_are_wanted() -> None:
+def test_hidden_channels_and_looking_commands_are_left_out_unless_they_are_wanted():
     ends = (Endpoint("/a", Role.SUBSCRIBER),)
     nodes = (node("/n", Endpoint("/a", Role.PUBLISHER)), node("/_tool", *ends))
     packets = [packet("/_secret", PROGRAM)]
@@ -119,7 +119,7 @@ def test_hidden_channels_and_looking_commands_are_left_out_unless_they_are_wante
     assert everything["/a"].listeners == ("/_tool",)
 
 
-def test_only_the_wanted_channels_have_rows() -> None:
+def test_only_the_wanted_channels_have_rows():
     packets = [packet(channel, PROGRAM) for channel in ("/a/x", "/ab", "/c/x", "POSE")]
     assert list(make(packets, selection=ChannelSelection(("/a",)))) == ["/a/x"]
     assert list(make(packets, selection=ChannelSelection(("*/x", "POSE")))) == [
@@ -129,18 +129,18 @@ def test_only_the_wanted_channels_have_rows() -> None:
     ]
 
 
-def test_a_stale_node_is_marked() -> None:
+def test_a_stale_node_is_marked():
     stale = node("/n", Endpoint("/a", Role.PUBLISHER), stale="does not answer")
     assert make([], (stale,))["/a"].senders == ("/n (stale: does not answer)",)
 
 
-def test_a_sender_that_others_have_long_replaced_is_not_named() -> None:
+def test_a_sender_that_others_have_long_replaced_is_not_named():
     old = packet("A", FAR)
     new = old._replace(sender=Sender("10.9.8.8", 1), time=old.time + 20 * S)
     assert make([old, new])["A"].senders == ("10.9.8.8:1",)
 
 
-def test_channels_of_images_and_clouds_may_be_left_out_of_those_that_nodes_publish() -> None:
+def test_channels_of_images_and_clouds_may_be_left_out_of_those_that_nodes_publish():
     kinds = ("Image", "PointCloud2", "CompressedImage", "LaserScan", "NoSuchType")
     ends = [Endpoint(f"/{kind}", Role.PUBLISHER, (f"sensor_msgs/{kind}",)) for kind in kinds]
     graph = Graph((node("/n", *ends, Endpoint("/untyped", Role.PUBLISHER)),))

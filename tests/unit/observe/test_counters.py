@@ -22,9 +22,7 @@ NODE = Node("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
     ("calls", "busy", "mean"),
     [(14, 540, 10), (15, 720, 48), (10, 540, 40), (10, 500, None), (14, 500, None), (3, 600, None)],
 )
-def test_a_callback_takes_what_it_took_between_two_looks(
-    calls: int, busy: int, mean: float | None
-) -> None:
+def test_a_callback_takes_what_it_took_between_two_looks(calls, busy, mean):
     assert callback_time(ENDPOINT, ENDPOINT._replace(calls=calls, busy=busy)) == mean
 
 
@@ -32,20 +30,18 @@ def test_a_callback_takes_what_it_took_between_two_looks(
     ("span", "busy", "share"),
     [(1.0, 0.25, 0.25), (1.0, 0.0, 0.0), (1.0, 1.5, 1.0), (0.1, 0.05, None), (1.0, -0.5, None)],
 )
-def test_a_node_is_busy_for_a_part_of_the_time_between_its_announcements(
-    span: float, busy: float, share: float | None
-) -> None:
+def test_a_node_is_busy_for_a_part_of_the_time_between_its_announcements(span, busy, share):
     later = NODE._replace(
         sent=NODE.sent + round(span * SECOND), busy=NODE.busy + round(busy * SECOND)
     )
     assert busy_share(NODE, later) == share
 
 
-def test_only_some_callbacks_may_count() -> None:
+def test_only_some_callbacks_may_count():
     assert busy_share(NODE, NODE._replace(sent=7 * SECOND), SECOND) == 0.5
 
 
-def test_a_node_that_does_not_say_when_it_sent_is_not_judged() -> None:
+def test_a_node_that_does_not_say_when_it_sent_is_not_judged():
     assert busy_share(NODE._replace(sent=0), NODE) is None
 
 
@@ -62,33 +58,33 @@ def test_a_node_that_does_not_say_when_it_sent_is_not_judged() -> None:
         (5_000 * SECOND, "5000 s"),
     ],
 )
-def test_times_are_short_for_people(nanoseconds: float, text: str) -> None:
+def test_times_are_short_for_people(nanoseconds, text):
     assert duration_text(nanoseconds) == text
 
 
-def _counted(messages: int, last: float) -> Endpoint:
+def _counted(messages, last):
     return Endpoint("/a", Role.PUBLISHER, messages=messages, last_time=round(last * SECOND))
 
 
-def test_a_counted_rate_is_exact_however_short_the_look_was() -> None:
+def test_a_counted_rate_is_exact_however_short_the_look_was():
     assert _counted(8, 100.1).rate_since(_counted(7, 100.0)) == pytest.approx(10)
     assert _counted(12, 101.0).rate_since(_counted(7, 100.0)) == pytest.approx(5)
 
 
-def test_where_nothing_was_counted_there_is_no_rate() -> None:
+def test_where_nothing_was_counted_there_is_no_rate():
     assert _counted(7, 100.0).rate_since(_counted(7, 100.0)) is None
     assert _counted(1, 100.0).rate_since(_counted(0, 0)) is None
     assert _counted(1, 101.0).rate_since(_counted(9, 100.0)) is None
 
 
-def test_an_average_rate_is_from_the_nodes_start_to_its_last_message() -> None:
+def test_an_average_rate_is_from_the_nodes_start_to_its_last_message():
     node = Node("/a", "id", "host", 1, start_time=90 * SECOND)
     assert average_rate(node, _counted(20, 100.0)) == pytest.approx(2)
     assert average_rate(node, _counted(1, 100.0)) is None
     assert average_rate(node, _counted(5, 80.0)) is None
 
 
-def test_the_announced_rate_counts_where_one_look_has_to_do() -> None:
+def test_the_announced_rate_counts_where_one_look_has_to_do():
     known = _counted(7, 100.0)._replace(rate=2.5)
     node = Node("/a", "id", "host", 1, endpoints=(known, known._replace(topic="/b", rate=0.0)))
     counters = Counters(Graph((node,)), Graph((node,)))
@@ -97,7 +93,7 @@ def test_the_announced_rate_counts_where_one_look_has_to_do() -> None:
     assert "rate: 2.50 Hz" in counters.of_endpoint(node, known)
 
 
-def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen() -> None:
+def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen():
     sender, end = Sender("127.0.0.1", 4000), Endpoint("/a", Role.PUBLISHER)
     node = Node("/a", "id", "host", 1, endpoints=(end,), sender=sender)
     seen = Traffic("/a", sender, (), 12, 96, 98 * SECOND, 99 * SECOND)
@@ -107,7 +103,7 @@ def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen() -> None:
 
 
 @pytest.mark.parametrize("role", [Role.PUBLISHER, Role.SUBSCRIBER])
-def test_counts_of_an_endpoint_that_counts_nothing_are_not_known(role: Role) -> None:
+def test_counts_of_an_endpoint_that_counts_nothing_are_not_known(role):
     end = Endpoint("/a", role)
     node = Node("/a", "id", "host", 1, endpoints=(end, end._replace(topic="/b", depth=5)))
     counters = Counters(Graph((node,)), Graph((node,), time=100 * SECOND))
@@ -122,13 +118,13 @@ def test_counts_of_an_endpoint_that_counts_nothing_are_not_known(role: Role) -> 
         assert (record[name], zero[name]) == (None, 0)
 
 
-def test_what_a_simulator_announced_when_its_sensor_became_idle_is_no_rate() -> None:
+def test_what_a_simulator_announced_when_its_sensor_became_idle_is_no_rate():
     imu = _counted(40, 100.0)._replace(rate=5.4)
     step = Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step_Request",))
     sim = Node("/sim", "id", "host", 1, start_time=90 * SECOND, endpoints=(imu, step))
     ear = Node("/ear", "ear", "host", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
 
-    def shown(*nodes: Node, before: Endpoint | None = None) -> tuple[str, object, object]:
+    def shown(*nodes, before=None):
         was = sim._replace(endpoints=(before, step)) if before else sim
         counters = Counters(Graph((was,)), Graph(nodes, time=101 * SECOND))
         record = counters.record(nodes[0], imu)
@@ -154,8 +150,6 @@ def test_what_a_simulator_announced_when_its_sensor_became_idle_is_no_rate() -> 
         (40.0, 2, 100.1, False),
     ],
 )
-def test_a_rate_is_not_counted_over_a_pause(
-    last: float, messages: int, now: float, *, is_steady: bool
-) -> None:
+def test_a_rate_is_not_counted_over_a_pause(last, messages, now, *, is_steady):
     was, end = _counted(7, last), _counted(7 + messages, now)
     assert end.is_steady_since(was, 100 * SECOND, SECOND) is is_steady

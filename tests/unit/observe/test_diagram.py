@@ -5,7 +5,7 @@ import socket
 from fixtures.says import assert_says
 
 from lcmtools.bus.processes import Process
-from lcmtools.graph.drawing.diagram import Diagram, Edge, Member, Relation
+from lcmtools.graph.drawing.diagram import Edge, Member, Relation
 from lcmtools.graph.drawing.labels import notes
 from lcmtools.graph.drawing.subgraph import DiagramOptions, select
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
@@ -19,24 +19,24 @@ HOST = socket.gethostname()
 _SECOND = 1_000_000_000
 
 
-def _node(name: str, *endpoints: Endpoint, port: int = 0, **other: object) -> Node:
+def _node(name, *endpoints, port=0, **other):
     sender = Sender("127.0.0.1", port) if port else None
-    return Node(name, f"{name} {port}", HOST, 7, endpoints=endpoints, sender=sender, **other)  # type: ignore[arg-type]
+    return Node(name, f"{name} {port}", HOST, 7, endpoints=endpoints, sender=sender, **other)
 
 
-def _seen(channel: str, port: int, messages: int = 3) -> Traffic:
+def _seen(channel, port, messages=3):
     sender = Sender("127.0.0.1", port)
     return Traffic(channel, sender, (fingerprint(String),), messages, 0, 0, _SECOND)
 
 
-def _edge(diagram: Diagram, source: str, target: str) -> Edge:
+def _edge(diagram, source, target):
     """The edge between two names."""
     names = {vertex.id: vertex.name for vertex in diagram.vertices()}
     (edge,) = (e for e in diagram.edges if (names[e.source], names[e.target]) == (source, target))
     return edge
 
 
-def test_nodes_and_their_topics() -> None:
+def test_nodes_and_their_topics():
     talker = _node("/a", Endpoint("/t", Role.PUBLISHER, ("std_msgs/String",), messages=5))
     hearer = _node("/b", Endpoint("/t", Role.SUBSCRIBER, messages=4))
     diagram = diagram_of(Graph((talker, hearer)), [], None)
@@ -47,7 +47,7 @@ def test_nodes_and_their_topics() -> None:
     assert _edge(diagram, "/t", "/b") == Edge("t1", "n2", Relation.SUBSCRIBES, 4)
 
 
-def test_services_are_channels_of_their_own_even_by_a_topics_name() -> None:
+def test_services_are_channels_of_their_own_even_by_a_topics_name():
     server = _node("/a", Endpoint("/x", Role.SERVICE, ("std_srvs/SetBool",)))
     client = _node("/b", Endpoint("/x", Role.CLIENT), Endpoint("/x", Role.PUBLISHER))
     diagram = diagram_of(Graph((server, client)), [], None)
@@ -61,13 +61,13 @@ def test_services_are_channels_of_their_own_even_by_a_topics_name() -> None:
     }
 
 
-def test_a_topic_twice_in_a_node_is_one_edge() -> None:
+def test_a_topic_twice_in_a_node_is_one_edge():
     node = _node("/a", *(Endpoint("/t", Role.SUBSCRIBER, messages=2) for _ in range(2)))
     (edge,) = diagram_of(Graph((node,)), [], None).edges
     assert edge.messages == 4
 
 
-def test_a_program_publishes_what_was_seen_of_it() -> None:
+def test_a_program_publishes_what_was_seen_of_it():
     traffic = (_seen("X", 9, 3), _seen("X", 10, 4))
     program = Program(Process(5, "prog -x"), "me", "127.0.0.1", (9, 10), traffic, listens=True)
     diagram = diagram_of(Graph((), traffic), [program], None)
@@ -81,7 +81,7 @@ def test_a_program_publishes_what_was_seen_of_it() -> None:
     assert [edge.messages for edge in diagram.edges] == [7]
 
 
-def test_a_program_of_another_computer_is_there() -> None:
+def test_a_program_of_another_computer_is_there():
     sender = Sender("10.1.2.3", 5)
     traffic = (Traffic("X", sender, (), 1, 0, 0, 0),)
     program = Program(None, "", "10.1.2.3", (5,), traffic, None)
@@ -89,7 +89,7 @@ def test_a_program_of_another_computer_is_there() -> None:
     assert (member.host, member.is_here, member.pid) == ("10.1.2.3", False, None)
 
 
-def test_a_node_of_another_computer_and_a_stale_one() -> None:
+def test_a_node_of_another_computer_and_a_stale_one():
     far = Node("/far", "id", "robot", 7)
     dead = _node("/dead", stale=Staleness.ENDED)
     one, other = diagram_of(Graph((far, dead)), [], None).members
@@ -97,7 +97,7 @@ def test_a_node_of_another_computer_and_a_stale_one() -> None:
     assert (other.is_here, other.stale) == (True, "ended without saying goodbye")
 
 
-def test_the_rate_of_a_topic_is_its_one_publishers() -> None:
+def test_the_rate_of_a_topic_is_its_one_publishers():
     talker = _node("/a", Endpoint("/t", Role.PUBLISHER), port=1)
     graph = Graph((talker,), (_seen("/t", 1),))
     diagram = diagram_of(graph, [], {"/t": 10.0})
@@ -106,7 +106,7 @@ def test_the_rate_of_a_topic_is_its_one_publishers() -> None:
     assert _edge(diagram_of(graph, [], None), "/a", "/t").rate is None
 
 
-def test_of_several_publishers_each_has_its_own_rate() -> None:
+def test_of_several_publishers_each_has_its_own_rate():
     nodes = tuple(_node(name, Endpoint("/t", Role.PUBLISHER), port=p) for name, p in _PORTS)
     traffic = (_seen("/t", 1, 11), _seen("/t", 2, 6))
     diagram = diagram_of(Graph(nodes, traffic), [], {"/t": 15.0})
@@ -116,7 +116,7 @@ def test_of_several_publishers_each_has_its_own_rate() -> None:
 _PORTS = (("/a", 1), ("/b", 2))
 
 
-def test_a_command_that_publishes_is_no_onlooker() -> None:
+def test_a_command_that_publishes_is_no_onlooker():
     pub = _node("/_lcmtools_pub_1", Endpoint("/t", Role.PUBLISHER), tool=True)
     echo = _node("/_lcmtools_echo_2", Endpoint("/t", Role.SUBSCRIBER), tool=True)
     whole = diagram_of(Graph((pub, echo), ()), [], None)
@@ -125,7 +125,7 @@ def test_a_command_that_publishes_is_no_onlooker() -> None:
     assert_says(left.text(), "not drawn: 1 command", "--tools")
 
 
-def test_tools_are_marked_and_what_they_hear_is_known() -> None:
+def test_tools_are_marked_and_what_they_hear_is_known():
     tool = _node("/_lcmtools_echo_1", Endpoint("/t", Role.SUBSCRIBER), tool=True)
     diagram = diagram_of(Graph((tool,)), [], None)
     assert diagram.members[0].is_tool

@@ -1,7 +1,6 @@
 """The thread that reads the bus: packets become rows; an end and a failing network are shown."""
 
 import time
-from collections.abc import Callable
 from typing import ClassVar
 
 import pytest
@@ -16,7 +15,6 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 
 MEMORY = BusUrl("memq", "")
-Behaviour = Callable[[], list[Packet]]
 
 
 class Bus:
@@ -26,36 +24,31 @@ class Bus:
     is_live, is_awaiting, has_strangers = True, False, False
     numbered: ClassVar[dict[Sender, Sequence]] = {}
 
-    def __init__(self, behaviour: Behaviour, *, is_log: bool = False) -> None:
+    def __init__(self, behaviour, *, is_log=False):
         self._behaviour = behaviour
         self.is_log = is_log
 
-    def receive(self, timeout: float) -> list[Packet]:
+    def receive(self, timeout):
         """The clock that the test sets."""
         time.sleep(min(timeout, 0.001))
         return self._behaviour()
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel, payload):
         """There is no receiver."""
 
-    def close(self) -> None:
+    def close(self):
         """Nothing is open."""
 
 
-def packets() -> list[Packet]:
+def packets():
     return [Packet("A", bytes(8), time.time_ns())]
 
 
 @pytest.fixture
-def snapshot_of(wait_until: Callable[..., None]) -> Callable[..., Snapshot]:
+def snapshot_of(wait_until):
     """``snapshot_of(behaviour, condition)``: the first one that is as the test waits for it."""
 
-    def run(
-        behaviour: Behaviour,
-        condition: Callable[[Snapshot], object],
-        meanwhile: Callable[[Feed], None] = lambda _: None,
-        url: BusUrl = MEMORY,
-    ) -> Snapshot:
+    def run(behaviour, condition, meanwhile=lambda _: None, url=MEMORY):
         monitor = BusMonitor(url, "spy", {}, Bus(behaviour, is_log=url.provider == "file"))
         feed = Feed(monitor, ChannelSelection())
         feed.start()
@@ -69,7 +62,7 @@ def snapshot_of(wait_until: Callable[..., None]) -> Callable[..., Snapshot]:
     return run
 
 
-def test_packets_become_rows(snapshot_of: Callable[..., Snapshot]) -> None:
+def test_packets_become_rows(snapshot_of):
     found = snapshot_of(packets, lambda snapshot: snapshot.rate > 0)
     assert [row.channel for row in found.rows] == ["A"]
     assert (found.trouble, found.is_over) == ("", False)
@@ -78,10 +71,10 @@ def test_packets_become_rows(snapshot_of: Callable[..., Snapshot]) -> None:
     assert found.row("B") == ChannelRow("B")
 
 
-def test_an_end_is_told_and_what_came_before_stays(snapshot_of: Callable[..., Snapshot]) -> None:
+def test_an_end_is_told_and_what_came_before_stays(snapshot_of):
     start = time.monotonic()
 
-    def behaviour() -> list[Packet]:
+    def behaviour():
         if time.monotonic() - start > 0.5:
             raise EOFError
         return packets()
@@ -91,19 +84,17 @@ def test_an_end_is_told_and_what_came_before_stays(snapshot_of: Callable[..., Sn
     assert found.row("A").messages > 1
 
 
-def test_a_network_that_fails_is_told_and_may_come_back(
-    snapshot_of: Callable[..., Snapshot],
-) -> None:
+def test_a_network_that_fails_is_told_and_may_come_back(snapshot_of):
     failures = iter(range(3))
 
-    def behaviour() -> list[Packet]:
+    def behaviour():
         if next(failures, None) is not None:
             raise OSError(100, "Network is down")
         return packets()
 
-    told: list[str] = []
+    told = []
 
-    def is_back(snapshot: Snapshot) -> bool:
+    def is_back(snapshot):
         told.append(snapshot.trouble)
         return not snapshot.trouble and bool(snapshot.rows)
 
@@ -111,10 +102,10 @@ def test_a_network_that_fails_is_told_and_may_come_back(
     assert "Network is down" in told
 
 
-def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot]) -> None:
+def test_a_fault_is_told_and_kills_nothing(snapshot_of):
     start = time.monotonic()
 
-    def behaviour() -> list[Packet]:
+    def behaviour():
         if time.monotonic() - start > 0.5:
             raise ZeroDivisionError("by zero")
         return packets()
@@ -123,22 +114,20 @@ def test_a_fault_is_told_and_kills_nothing(snapshot_of: Callable[..., Snapshot])
     assert_says(found.trouble, "lcmtools", "ZeroDivisionError: by zero")
 
 
-def test_who_listens_is_looked_up_again_where_there_are_other_sockets(
-    snapshot_of: Callable[..., Snapshot], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_who_listens_is_looked_up_again_where_there_are_other_sockets(snapshot_of, monkeypatch):
     sockets = [frozenset({1})]
-    looks: list[frozenset[int]] = []
+    looks = []
 
-    def listeners(*_: object) -> list[str]:
+    def listeners(*_):
         looks.append(sockets[-1])
         return [f"program {len(looks)}"]
 
     monkeypatch.setattr("lcmtools.observe.channels.feed._SELDOM", 0.0)
     monkeypatch.setattr("lcmtools.observe.channels.feed.listening_sockets", lambda _: sockets[-1])
     monkeypatch.setattr("lcmtools.observe.channels.feed.plain_listeners", listeners)
-    seen: dict[int, Snapshot] = {}
+    seen = {}
 
-    def several(snapshot: Snapshot) -> bool:
+    def several(snapshot):
         seen[id(snapshot)] = snapshot
         if len(seen) == 4 and len(sockets) == 1:
             sockets.append(frozenset({1, 2}))
@@ -148,17 +137,15 @@ def test_who_listens_is_looked_up_again_where_there_are_other_sockets(
     assert looks == sockets
 
 
-def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
-    snapshot_of: Callable[..., Snapshot], wait_until: Callable[..., None]
-) -> None:
-    taken: list[Packet] = []
+def test_clear_counts_from_zero_and_a_follower_gets_every_packet(snapshot_of, wait_until):
+    taken = []
     sent = iter([packets()] * 5)
-    followed: list[Feed] = []
+    followed = []
 
-    def behaviour() -> list[Packet]:
+    def behaviour():
         return next(sent, []) if followed else []
 
-    def meanwhile(feed: Feed) -> None:
+    def meanwhile(feed):
         stop = feed.follow("A", taken.append)
         first = feed.latest
         wait_until(lambda: feed.latest is not first)  # what comes before that is nobody's
@@ -172,10 +159,8 @@ def test_clear_counts_from_zero_and_a_follower_gets_every_packet(
     assert found.row("A").rate is None
 
 
-def test_a_follower_begins_with_the_last_of_several_messages(
-    wait_until: Callable[..., None],
-) -> None:
-    taken: list[Packet] = []
+def test_a_follower_begins_with_the_last_of_several_messages(wait_until):
+    taken = []
     sent = ([Packet("A", bytes([number]), time.time_ns())] for number in range(3))
     monitor = BusMonitor(MEMORY, "spy", {}, Bus(lambda: next(sent, []) if first else []))
     feed, first = Feed(monitor, ChannelSelection(), keeps_last=True), list[Snapshot]()
@@ -190,10 +175,8 @@ def test_a_follower_begins_with_the_last_of_several_messages(
     assert [packet.payload for packet in taken] == [bytes([2])]
 
 
-def test_a_new_channel_and_a_clear_do_not_wait_for_the_period(
-    wait_until: Callable[..., None],
-) -> None:
-    sent: list[Packet] = packets()
+def test_a_new_channel_and_a_clear_do_not_wait_for_the_period(wait_until):
+    sent = packets()
     monitor = BusMonitor(MEMORY, "spy", {}, Bus(lambda: [sent.pop()] if sent else []))
     feed, told = Feed(monitor, ChannelSelection(), 1000.0), []
     feed.on_snapshot = lambda: told.append(feed.latest)
@@ -214,18 +197,16 @@ def test_a_new_channel_and_a_clear_do_not_wait_for_the_period(
     assert told[-1] is feed.latest
 
 
-def test_what_follows_a_trouble_does_not_wait_for_the_period(
-    wait_until: Callable[..., None],
-) -> None:
+def test_what_follows_a_trouble_does_not_wait_for_the_period(wait_until):
     fails = False
 
-    def behaviour() -> list[Packet]:
+    def behaviour():
         if fails:
             raise OSError(100, "Network is down")
         return packets()
 
     feed = Feed(BusMonitor(MEMORY, "spy", {}, Bus(behaviour)), ChannelSelection(), 1000.0)
-    told: list[str] = []
+    told = []
     feed.on_snapshot = lambda: told.append(feed.latest.trouble)
     feed.start()
     try:
@@ -238,15 +219,13 @@ def test_what_follows_a_trouble_does_not_wait_for_the_period(
         feed.stop()
 
 
-def test_many_silent_channels_are_shown_seldom_until_a_message_comes(
-    wait_until: Callable[..., None], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_silent_channels_are_shown_seldom_until_a_message_comes(wait_until, monkeypatch):
     monkeypatch.setattr(feed_module, "_QUIET_PERIOD", 1000.0)
     monkeypatch.setattr(feed_module, "_SHARE", 1)
     old, reads = time.time_ns() - 5_000_000_000, 0
     sent = [Packet(f"/a{number}", bytes(8), old) for number in range(500)]
 
-    def behaviour() -> list[Packet]:
+    def behaviour():
         nonlocal reads
         reads += 1
         arrived = sent[:]
@@ -254,7 +233,7 @@ def test_many_silent_channels_are_shown_seldom_until_a_message_comes(
         return arrived
 
     feed = Feed(BusMonitor(MEMORY, "spy", {}, Bus(behaviour)), ChannelSelection(), 0.001)
-    told: list[Snapshot] = []
+    told = []
     feed.on_snapshot = lambda: told.append(feed.latest)
     feed.start()
     try:

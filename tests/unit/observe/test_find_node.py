@@ -36,7 +36,7 @@ _GRAPH = Graph(
         ("10.0.0.1:13", ["8"]),
     ],
 )
-def test_a_full_name_a_last_part_and_a_pid_mean_nodes(word: str, ids: list[str]) -> None:
+def test_a_full_name_a_last_part_and_a_pid_mean_nodes(word, ids):
     assert [node.id for node in find_nodes(_GRAPH, word)] == ids
     assert find_node(_GRAPH, word).id == ids[0]
 
@@ -59,12 +59,12 @@ def test_a_full_name_a_last_part_and_a_pid_mean_nodes(word: str, ids: list[str])
         ("zzzzzz", "unknown node zzzzzz; lcmtools node list shows them"),
     ],
 )
-def test_what_means_none_says_what_may_have_been_meant(word: str, line: str) -> None:
+def test_what_means_none_says_what_may_have_been_meant(word, line):
     with pytest.raises(LcmtoolsError) as caught:
         find_nodes(_GRAPH, word)
     assert str(caught.value) == line
 
 
-def test_an_empty_name_is_wrong_usage() -> None:
+def test_an_empty_name_is_wrong_usage():
     with pytest.raises(UsageError):
         find_nodes(_GRAPH, "")

@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import pytest
 from fixtures.says import assert_says, raises_saying
@@ -21,9 +20,7 @@ _START = 1_795_384_180 * _S
 _TURN = math.sqrt(0.5)  # of a quarter turn
 
 
-def transform(
-    parent: str, child: str, x: float = 0.0, y: float = 0.0, *, quarter: bool = False, time: int = 0
-) -> TransformStamped:
+def transform(parent, child, x=0.0, y=0.0, *, quarter=False, time=0):
     one = TransformStamped(child_frame_id=child)
     one.header.frame_id, one.header.stamp.sec = parent, time
     place, turn = one.transform.translation, one.transform.rotation
@@ -32,14 +29,14 @@ def transform(
     return one
 
 
-def frames(*transforms: TransformStamped) -> Frames:
+def frames(*transforms):
     made = Frames()
     for time, one in enumerate(transforms):
         assert not made.add(one, "/tf", time * _S, None)
     return made
 
 
-def test_a_pose_is_that_of_all_transforms_between_two_frames() -> None:
+def test_a_pose_is_that_of_all_transforms_between_two_frames():
     made = frames(
         transform("odom", "base", 1.0, 2.0, quarter=True, time=9),
         transform("base", "laser", 0.5, time=8),
@@ -60,7 +57,7 @@ def test_a_pose_is_that_of_all_transforms_between_two_frames() -> None:
     assert stamp == 9 * _S
 
 
-def test_what_cannot_be_computed_is_an_error_with_the_reason() -> None:
+def test_what_cannot_be_computed_is_an_error_with_the_reason():
     made = frames(transform("map", "odom"), transform("a", "b"))
     with raises_saying(LcmtoolsError, "there is no frame odm", "did you mean odom"):
         made.between("map", "odm")
@@ -76,9 +73,7 @@ def test_what_cannot_be_computed_is_an_error_with_the_reason() -> None:
     ("parent", "child", "x", "w"),
     [("", "a", 0.0, 1.0), ("a", "a", 0.0, 1.0), ("a", "b", math.nan, 1.0), ("a", "b", 0.0, 0.0)],
 )
-def test_an_odd_transform_is_ignored_with_the_reason(
-    parent: str, child: str, x: float, w: float
-) -> None:
+def test_an_odd_transform_is_ignored_with_the_reason(parent, child, x, w):
     one = transform(parent, child, x)
     one.transform.rotation.w = w
     made = Frames()
@@ -86,7 +81,7 @@ def test_an_odd_transform_is_ignored_with_the_reason(
     assert not made.names()
 
 
-def test_namespaces_have_trees_of_their_own() -> None:
+def test_namespaces_have_trees_of_their_own():
     trees = Trees()
     for name in ("/a", "/b"):
         trees.at(f"{name}/tf").add(transform("odom", "base", 1.0), f"{name}/tf", 0, None)
@@ -99,7 +94,7 @@ def test_namespaces_have_trees_of_their_own() -> None:
 
 
 @pytest.fixture
-def log(tmp_path: Path) -> str:
+def log(tmp_path):
     """A log of 10 s: odom to base at 10 Hz, which moves at 1 m/s, and base to laser, once."""
     path = tmp_path / "ride.lcmlog"
     with LogWriter(path) as writer:
@@ -112,7 +107,7 @@ def log(tmp_path: Path) -> str:
     return str(path)
 
 
-def test_the_tree_of_a_log(log: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_tree_of_a_log(log, capsys):
     assert main(["tf", "tree", "-b", log]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split() for line in lines[1:]] == [
@@ -127,7 +122,7 @@ def test_the_tree_of_a_log(log: str, capsys: pytest.CaptureFixture[str]) -> None
     ]
 
 
-def test_poses_of_a_log(log: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_poses_of_a_log(log, capsys):
     assert main(["tf", "echo", "odom", "laser", "-b", log, "--json"]) == 0
     records = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [round(one["translation"][0], 1) for one in records] == [

@@ -3,7 +3,6 @@
 import os
 import socket
 import time
-from pathlib import Path
 from typing import ClassVar
 
 import pytest
@@ -29,10 +28,10 @@ class LateObserver:
     is_live, is_log, is_awaiting, has_strangers, port = True, False, False, False, 0
     numbered: ClassVar[dict[Sender, Sequence]] = {}
 
-    def __init__(self, node: Node, late: float = LATE) -> None:
+    def __init__(self, node, late=LATE):
         self._node, self._late, self._asked, self.requests = node, late, 0.0, 0
 
-    def receive(self, timeout: float) -> list[Packet]:
+    def receive(self, timeout):
         """Return the announcement when it is due."""
         time.sleep(timeout)
         if not self._asked or time.monotonic() < self._asked + self._late:
@@ -40,24 +39,24 @@ class LateObserver:
         self._asked = 0.0
         return [Packet(NODE_CHANNEL, encode_announcement(Announcement(self._node)), time.time_ns())]
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel, payload):
         """Note the request."""
         del channel, payload
         self._asked = time.monotonic()
         self.requests += 1
 
-    def close(self) -> None:
+    def close(self):
         """There is nothing to leave."""
 
 
 class LossyObserver(LateObserver):
     """The same on a busy computer, where the first request is lost on its way to another."""
 
-    def receive(self, timeout: float) -> list[Packet]:
+    def receive(self, timeout):
         """Return late if nothing has come."""
         return super().receive(timeout) or super().receive(0.1 if self.requests < 2 else 0.0)
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel, payload):
         """Note the request; the first one does not arrive."""
         super().send(channel, payload)
         if self.requests == 1:
@@ -65,7 +64,7 @@ class LossyObserver(LateObserver):
 
 
 @pytest.fixture
-def late_bus(tmp_path: Path) -> BusMonitor:
+def late_bus(tmp_path):
     """A bus with one node, whose process is this one."""
     environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
     host, now = socket.gethostname(), time.time_ns()
@@ -74,19 +73,17 @@ def late_bus(tmp_path: Path) -> BusMonitor:
     return BusMonitor(URL, "test", environment, LateObserver(node))
 
 
-def test_a_node_that_left_a_record_and_runs_is_given_time_to_answer(late_bus: BusMonitor) -> None:
+def test_a_node_that_left_a_record_and_runs_is_given_time_to_answer(late_bus):
     assert [node.stale for node in late_bus.settle(foreign=False).nodes] == [""]
 
 
-def test_a_stopped_node_is_not_waited_for(
-    late_bus: BusMonitor, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stopped_node_is_not_waited_for(late_bus, monkeypatch):
     monkeypatch.setattr(monitors, "is_stopped", lambda pid: pid == os.getpid())
     (node,) = late_bus.settle(foreign=False).nodes
     assert node.stale == "runs but does not answer"
 
 
-def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path: Path) -> None:
+def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path):
     observer = LateObserver(Node("/driver", "1", host="h", pid=1))
     environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
     monitor = BusMonitor(URL, "test", environment, observer, asked=time.monotonic())
@@ -96,7 +93,7 @@ def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path: Pat
     assert observer.requests == 1
 
 
-def test_a_second_request_is_sent_however_busy_this_computer_is(tmp_path: Path) -> None:
+def test_a_second_request_is_sent_however_busy_this_computer_is(tmp_path):
     observer = LossyObserver(Node("/driver", "1", host="other", pid=1), SOON)
     environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
     monitor = BusMonitor(BETWEEN_COMPUTERS, "test", environment, observer)

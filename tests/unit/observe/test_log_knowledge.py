@@ -1,8 +1,6 @@
 """The nodes, senders, types and losses that a log knows, beside its messages."""
 
 import struct
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -18,7 +16,7 @@ from lcmtools.observe import messages
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here
+from lcmtools.observe.reading.senders import SenderNames, is_here
 from lcmtools.observe.reading.sources import LogObserver
 from lcmtools.observe.reports.describe import program_texts
 from lcmtools.types.std_msgs import String
@@ -37,30 +35,30 @@ _OTHER_STRING = RecordedType(
 
 
 @pytest.fixture(autouse=True)
-def own_supply(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
+def own_supply(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     set_supply(None)
     yield
     set_supply(None)
 
 
-def _string(text: str) -> bytes:
+def _string(text):
     message = String()
     message.data = text
     return encode(message)
 
 
-def _node(name: str) -> Node:
+def _node(name):
     publisher = Endpoint("/chatter", Role.PUBLISHER, ("std_msgs/String",))
     return Node(name, f"id-of-{name}", "ada", 12, endpoints=(publisher,))
 
 
-def _monitor(path: Path) -> BusMonitor:
+def _monitor(path):
     return BusMonitor(BusUrl("file", str(path)), "test", {}, LogObserver(str(path)))
 
 
 @pytest.fixture
-def path(tmp_path: Path) -> Path:
+def path(tmp_path):
     """A log of a node that left, of one that stayed, and of a program."""
     path = tmp_path / "ride.lcmlog"
     with LogWriter(path) as log:
@@ -80,7 +78,7 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_log_knows_its_nodes_whenever_they_were_there(path: Path) -> None:
+def test_a_log_knows_its_nodes_whenever_they_were_there(path):
     with _monitor(path) as monitor:
         graph = monitor.settle()
         losses = monitor.losses()
@@ -94,8 +92,8 @@ def test_a_log_knows_its_nodes_whenever_they_were_there(path: Path) -> None:
     assert losses == {Sender("127.0.0.1", 1, "/talker"): Loss(3, 90)}
 
 
-def test_the_processes_of_this_computer_do_not_name_senders_of_a_log(path: Path) -> None:
-    def read(_: object) -> SocketTable:
+def test_the_processes_of_this_computer_do_not_name_senders_of_a_log(path):
+    def read(_):
         raise AssertionError("looked into the system's table")
 
     with _monitor(path) as monitor:
@@ -106,13 +104,13 @@ def test_the_processes_of_this_computer_do_not_name_senders_of_a_log(path: Path)
     assert program_texts([seen]) == ["driver.py (pid 7) (when it was recorded)"]
 
 
-def test_arrivals_have_the_senders_of_the_recording(path: Path) -> None:
+def test_arrivals_have_the_senders_of_the_recording(path):
     found = list(messages("/chatter", log=path))
     assert {arrival.sender for arrival in found} == {"/talker"}
     assert [arrival.time for arrival in found] == [n * _SECOND for n in range(1, 60)]
 
 
-def test_types_that_are_not_installed_come_from_the_log(tmp_path: Path) -> None:
+def test_types_that_are_not_installed_come_from_the_log(tmp_path):
     # lcm-gen's fingerprint of a struct with one int8_t, which a second look-up must find again
     path = tmp_path / "ride.lcmlog"
     with LogWriter(path) as log:
@@ -135,7 +133,7 @@ def test_types_that_are_not_installed_come_from_the_log(tmp_path: Path) -> None:
     assert vars_of(found) == [{"side": 5}, {"n": 6}]
 
 
-def _fingerprints() -> list[int]:
+def _fingerprints():
     from lcmtools.packages.user_types import user_types
 
     return [
@@ -146,7 +144,7 @@ def _fingerprints() -> list[int]:
     ]
 
 
-def vars_of(found: list[object]) -> list[dict[str, object]]:
+def vars_of(found):
     return [{name: getattr(one, name) for name in one.__slots__} for one in found]
 
 
@@ -160,16 +158,14 @@ def vars_of(found: list[object]) -> list[dict[str, object]]:
         (b"no log of anything", "there are no messages in .*; it is not an LCM log"),
     ],
 )
-def test_a_foreign_file_is_named(head: bytes, text: str, tmp_path: Path) -> None:
+def test_a_foreign_file_is_named(head, text, tmp_path):
     (tmp_path / "a.file").write_bytes(head * 10)
     with pytest.raises(BusError, match=text):
         LogObserver(str(tmp_path / "a.file"))
 
 
 @pytest.mark.parametrize("written", [0, 2, 30])
-def test_a_log_whose_first_message_is_being_written_is_empty_so_far(
-    written: int, tmp_path: Path
-) -> None:
+def test_a_log_whose_first_message_is_being_written_is_empty_so_far(written, tmp_path):
     file = tmp_path / "ride.lcmlog"
     file.write_bytes((SYNC + bytes(100))[:written])
     with LogFile(file) as log:

@@ -18,11 +18,11 @@ from lcmtools.wire.packet import Packet
 NODE = Node("/a", "id of a", "host", 1)
 
 
-def _probe(nonce: int, target: str = "/a") -> Packet:
+def _probe(nonce, target="/a"):
     return Packet(PROBE_CHANNEL, encode_probe(Probe(target, nonce)), 1)
 
 
-def _answer(nonce: int, node: Node = NODE) -> Packet:
+def _answer(nonce, node=NODE):
     announcement = Announcement(node, answers=nonce)
     return Packet(NODE_CHANNEL, encode_announcement(announcement), 1)
 
@@ -30,18 +30,18 @@ def _answer(nonce: int, node: Node = NODE) -> Packet:
 class Bus:
     """A monitor of a bus on which others say something after a request."""
 
-    def __init__(self, *packets: Packet, nodes: tuple[Node, ...] = (NODE,)) -> None:
+    def __init__(self, *packets, nodes=(NODE,)):
         self._packets, self._coming, self._nodes = packets, list[Packet](), nodes
 
-    def graph(self) -> Graph:
+    def graph(self):
         """Return the nodes on the bus."""
         return Graph(self._nodes)
 
-    def probe(self, _target: str, _nonce: int) -> None:
+    def probe(self, _target, _nonce):
         """Let the others speak."""
         self._coming += self._packets
 
-    def receive(self, _timeout: float) -> list[Packet]:
+    def receive(self, _timeout):
         """Return what they said."""
         found, self._coming = self._coming, []
         return found
@@ -50,10 +50,10 @@ class Bus:
 @pytest.mark.parametrize(
     "flood", [1, 5000], ids=["another request", "more requests than are remembered"]
 )
-def test_the_answer_to_somebodys_later_request_counts(flood: int) -> None:
+def test_the_answer_to_somebodys_later_request_counts(flood):
     others = [_probe(nonce) for nonce in range(7, 7 + flood)]
     bus = Bus(*others, _answer(6 + flood))
-    assert 0 <= ping(bus, NODE, 60.0) < 60  # type: ignore[arg-type] # all of a monitor that it needs
+    assert 0 <= ping(bus, NODE, 60.0) < 60
 
 
 @pytest.mark.parametrize(
@@ -66,9 +66,9 @@ def test_the_answer_to_somebodys_later_request_counts(flood: int) -> None:
     ],
     ids=["an earlier request", "no request", "a request to another node", "another node"],
 )
-def test_nothing_else_counts(packets: list[Packet]) -> None:
+def test_nothing_else_counts(packets):
     with pytest.raises(NothingReceived, match=r"/a did not answer within 0\.05 s"):
-        ping(Bus(*packets), NODE, 0.05)  # type: ignore[arg-type] # likewise
+        ping(Bus(*packets), NODE, 0.05)
 
 
 @pytest.mark.parametrize(
@@ -79,14 +79,10 @@ def test_nothing_else_counts(packets: list[Packet]) -> None:
         ((NODE,), False),  # two nodes of one name
     ],
 )
-def test_a_node_that_was_started_anew_answers_from_then_on(
-    others: tuple[Node, ...],
-    *,
-    is_found: bool,
-) -> None:
+def test_a_node_that_was_started_anew_answers_from_then_on(others, *, is_found):
     again = NODE._replace(id="its next run", pid=2, start_time=NODE.start_time + 1)
     bus = Bus(_probe(7), _answer(7, again), nodes=(*others, again))
-    answers = pings(bus, NODE, 0.05)  # type: ignore[arg-type] # likewise
+    answers = pings(bus, NODE, 0.05)
     if is_found:
         assert [next(answers)[0].id for _ in range(2)] == [again.id] * 2
     else:

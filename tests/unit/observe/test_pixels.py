@@ -9,7 +9,7 @@ from lcmtools.messages.pixels import Kind, PixelFormat, Pixels, as_file, image_f
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
 
-def image(encoding: str, width: int, height: int, data: bytes, **fields: int) -> Image:
+def image(encoding, width, height, data, **fields):
     message = Image()
     message.encoding, message.width, message.height = encoding, width, height
     message.data, message.data_length = data, len(data)
@@ -18,13 +18,13 @@ def image(encoding: str, width: int, height: int, data: bytes, **fields: int) ->
     return message
 
 
-def test_rows_come_without_what_is_behind_them() -> None:
+def test_rows_come_without_what_is_behind_them():
     pixels = read_pixels(image("16UC1", 1, 2, b"ab--cd", step=4))  # the last row may be short
     assert pixels == Pixels(1, 2, PixelFormat(Kind.DEPTH, "H"), b"abcd")
     assert pixels.format.unit == "mm"
 
 
-def test_numbers_come_with_the_least_significant_byte_first() -> None:
+def test_numbers_come_with_the_least_significant_byte_first():
     pixels = read_pixels(image("32FC1", 1, 1, struct.pack(">f", 1.5), is_bigendian=1))
     assert struct.unpack("<f", pixels.data) == (1.5,)
     assert pixels.format.unit == "m"
@@ -35,9 +35,7 @@ def test_numbers_come_with_the_least_significant_byte_first() -> None:
     [("16SC1", "h", (-250, 1500), (-0.25, 1.5)), ("64FC1", "d", (-0.25, 1.5), (-0.25, 1.5))],
 )
 @pytest.mark.parametrize("order", "<>")
-def test_wider_numbers_become_metres(
-    encoding: str, code: str, numbers: tuple[float, ...], metres: tuple[float, ...], order: str
-) -> None:
+def test_wider_numbers_become_metres(encoding, code, numbers, metres, order):
     data = struct.pack(f"{order}2{code}", *numbers)
     pixels = read_pixels(image(encoding, 2, 1, data, is_bigendian=int(order == ">")))
     assert pixels.format == PixelFormat(Kind.DEPTH, "f")
@@ -45,14 +43,14 @@ def test_wider_numbers_become_metres(
 
 
 @pytest.mark.parametrize("encoding", ["jpeg", "JPEG", "jpg", "png"])
-def test_an_image_may_hold_a_file(encoding: str) -> None:
+def test_an_image_may_hold_a_file(encoding):
     file = as_file(image(encoding, 2, 1, b"a file"))
     assert file is not None
     assert (bytes(file.data), file.format) == (b"a file", encoding)
     assert as_file(image("mono8", 1, 1, b"a")) is None
 
 
-def test_a_mosaic_of_colours_counts_as_grey() -> None:
+def test_a_mosaic_of_colours_counts_as_grey():
     assert read_pixels(image("bayer_rggb8", 2, 1, b"ab")).format == PixelFormat(Kind.GREY)
     assert read_pixels(image("bayer_gbrg16", 1, 1, b"ab")).format == PixelFormat(Kind.GREY, "H")
 
@@ -61,9 +59,7 @@ def test_a_mosaic_of_colours_counts_as_grey() -> None:
     ("encoding", "size"), [("mono8", 1), ("mono16", 2), ("rgb8", 3), ("rgba8", 4)]
 )
 @pytest.mark.parametrize(("width", "height", "step"), [(5, 4, 2), (6, 3, 3), (2, 2, 4), (3, 3, 1)])
-def test_every_nth_pixel_of_every_nth_row(
-    encoding: str, size: int, width: int, height: int, step: int
-) -> None:
+def test_every_nth_pixel_of_every_nth_row(encoding, size, width, height, step):
     data = bytes(n % 251 for n in range(width * height * size))
     pixels = read_pixels(image(encoding, width, height, data)).every(step)
     expected = [
@@ -85,13 +81,13 @@ def test_every_nth_pixel_of_every_nth_row(
         (image("mono8", 1 << 20, 1 << 20, b""), "a picture of 1048576 x 1048576 mono8"),
     ],
 )
-def test_images_with_wrong_sizes_are_refused(message: Image, what: str) -> None:
+def test_images_with_wrong_sizes_are_refused(message, what):
     with pytest.raises(DecodeError) as error:
         read_pixels(message)
     assert str(error.value).startswith(what)
 
 
-def test_an_image_file_comes_without_the_header_of_compressed_depth() -> None:
+def test_an_image_file_comes_without_the_header_of_compressed_depth():
     message = CompressedImage()
     message.data, message.format = b"twelve bytes\x89PNG", "16UC1; compressedDepth png"
     assert image_file(message) == b"\x89PNG"

@@ -20,14 +20,14 @@ from lcmtools.wire.packet import Packet
 _S = 1_000_000_000
 
 
-def _window(*seconds: float, size: int = 100) -> RateWindow:
+def _window(*seconds, size=100):
     window = RateWindow(size)
     for time in seconds:
         window.add(round(time * _S))
     return window
 
 
-def test_a_rate_is_one_over_the_mean_interval() -> None:
+def test_a_rate_is_one_over_the_mean_interval():
     rate = _window(0, 0.1, 0.3).next_result()
     assert rate is not None
     assert rate.mean == pytest.approx(2 / 0.3)
@@ -36,7 +36,7 @@ def test_a_rate_is_one_over_the_mean_interval() -> None:
     assert rate.window == 3
 
 
-def test_only_the_latest_arrivals_count() -> None:
+def test_only_the_latest_arrivals_count():
     window = _window(0, 100, 100.5, 101, size=3)
     rate = window.next_result()
     assert rate is not None
@@ -45,7 +45,7 @@ def test_only_the_latest_arrivals_count() -> None:
     assert window.total == 4
 
 
-def test_nothing_new_is_no_rate() -> None:
+def test_nothing_new_is_no_rate():
     window = _window(0, 1)
     assert window.next_result() is not None
     assert window.next_result() is None
@@ -53,12 +53,12 @@ def test_nothing_new_is_no_rate() -> None:
     assert window.next_result() is not None
 
 
-def test_one_arrival_is_no_rate() -> None:
+def test_one_arrival_is_no_rate():
     assert _window().next_result() is None
     assert _window(1).next_result() is None
 
 
-def test_a_small_deviation_is_exact_in_a_large_window() -> None:
+def test_a_small_deviation_is_exact_in_a_large_window():
     window = DelayWindow(50_000)
     for number in range(50_000):
         window.add(-100 * 86_400 * _S + number % 2)  # a clock that is days ahead
@@ -68,7 +68,7 @@ def test_a_small_deviation_is_exact_in_a_large_window() -> None:
 
 
 @pytest.mark.parametrize("size", [2, 1000, 1001, 2500])
-def test_a_long_window_has_the_figures_of_its_latest_arrivals(size: int) -> None:
+def test_a_long_window_has_the_figures_of_its_latest_arrivals(size):
     times = [number * number for number in range(6000)]
     window = RateWindow(size)
     for start in range(0, 6000, 700):
@@ -84,7 +84,7 @@ def test_a_long_window_has_the_figures_of_its_latest_arrivals(size: int) -> None
     assert rate.window == size
 
 
-def test_arrivals_at_one_instant_have_no_rate() -> None:
+def test_arrivals_at_one_instant_have_no_rate():
     window = _window(1, 1, 1)
     assert window.next_result() is None
     assert window.is_timeless
@@ -93,7 +93,7 @@ def test_arrivals_at_one_instant_have_no_rate() -> None:
     assert not window.is_timeless
 
 
-def test_bandwidth_is_the_windows_bytes_over_the_time_since_its_first_arrival() -> None:
+def test_bandwidth_is_the_windows_bytes_over_the_time_since_its_first_arrival():
     window = BandwidthWindow(10)
     for number in range(3):
         window.add((number * _S, 100 + number))
@@ -103,7 +103,7 @@ def test_bandwidth_is_the_windows_bytes_over_the_time_since_its_first_arrival() 
     assert (found.mean, found.smallest, found.largest, found.window) == (101, 100, 102, 3)
 
 
-def test_bandwidth_falls_when_nothing_comes() -> None:
+def test_bandwidth_falls_when_nothing_comes():
     window = BandwidthWindow(10)
     window.add((0, 100))
     window.add((_S, 100))
@@ -113,7 +113,7 @@ def test_bandwidth_falls_when_nothing_comes() -> None:
     assert (sooner.average, later.average) == pytest.approx((100, 10))
 
 
-def test_bandwidth_is_about_the_latest_arrivals_and_needs_two() -> None:
+def test_bandwidth_is_about_the_latest_arrivals_and_needs_two():
     window = BandwidthWindow(2)
     assert window.next_result(0) is None
     window.add((0, 1))
@@ -125,7 +125,7 @@ def test_bandwidth_is_about_the_latest_arrivals_and_needs_two() -> None:
     assert (found.average, found.smallest, found.window) == (15, 10, 2)
 
 
-def test_bandwidth_of_an_instant_is_finite() -> None:
+def test_bandwidth_of_an_instant_is_finite():
     window = BandwidthWindow(2)
     window.add((_S, 1))
     window.add((_S, 1))
@@ -134,7 +134,7 @@ def test_bandwidth_of_an_instant_is_finite() -> None:
     assert found.average == 0.0
 
 
-def test_delays_are_summed_up() -> None:
+def test_delays_are_summed_up():
     window = DelayWindow(10)
     window.add(_S)
     window.add(3 * _S)
@@ -144,7 +144,7 @@ def test_delays_are_summed_up() -> None:
     assert (delay.deviation, delay.window) == (pytest.approx(1.0), 2)
 
 
-def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970() -> None:
+def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970():
     message = PoseStamped()
     message.header.stamp.sec, message.header.stamp.nsec = 1_795_244_479, 0
     packet = Packet("/a", message.encode(), 0)
@@ -159,9 +159,7 @@ def test_a_delay_is_arrival_less_stamp_and_exact_for_times_since_1970() -> None:
         (1_795_244_479, 12, "is real time, while /clock is at 12.000 s"),
     ],
 )
-def test_a_stamp_of_another_time_base_is_told_once_and_has_no_delay(
-    stamped: int, arrival: int, said: str
-) -> None:
+def test_a_stamp_of_another_time_base_is_told_once_and_has_no_delay(stamped, arrival, said):
     message, told = PoseStamped(), list[str]()
     message.header.stamp.sec = stamped
     delay = Delays(Decoder(lambda _: ()), told.append)
@@ -172,14 +170,14 @@ def test_a_stamp_of_another_time_base_is_told_once_and_has_no_delay(
     assert_says(line, "/a", said)
 
 
-def test_without_a_header_the_delay_is_that_of_utime(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_header_the_delay_is_that_of_utime(monkeypatch):
     delay, packet = Delays(Decoder(lambda _: ()), print), Packet("/a", Twist().encode(), 0)
     found = MessageTime("utime", 7, 7000, "microseconds")
     monkeypatch.setattr("lcmtools.observe.measuring.measure.message_time", lambda _: found)
     assert delay(SelectedPacket("/a", packet, 9000)) == 2000
 
 
-def test_a_message_that_is_cut_off_has_no_delay() -> None:
+def test_a_message_that_is_cut_off_has_no_delay():
     message = PoseStamped()
     message.header.stamp.sec = 1
     delay, payload = Delays(Decoder(lambda _: ()), print), message.encode()
@@ -189,7 +187,7 @@ def test_a_message_that_is_cut_off_has_no_delay() -> None:
         delay(SelectedPacket("/a", Packet("/a", payload[:-1], 0), 10**9))
 
 
-def test_a_stamp_has_a_place_where_only_numbers_come_before_it() -> None:
+def test_a_stamp_has_a_place_where_only_numbers_come_before_it():
     message = PoseStamped()
     message.header.stamp.sec, message.header.stamp.nsec = 12, 345
     read = stamp_reader(PoseStamped)
@@ -198,7 +196,7 @@ def test_a_stamp_has_a_place_where_only_numbers_come_before_it() -> None:
     assert stamp_reader(Twist) is None
 
 
-def test_a_delay_is_reported_once() -> None:
+def test_a_delay_is_reported_once():
     window = DelayWindow(10)
     assert window.next_result() is None
     window.add(_S)
@@ -206,7 +204,7 @@ def test_a_delay_is_reported_once() -> None:
     assert window.next_result() is None
 
 
-def test_bandwidth_without_a_present_is_that_at_the_last_arrival() -> None:
+def test_bandwidth_without_a_present_is_that_at_the_last_arrival():
     window = BandwidthWindow(10)
     window.add((_S, 100))
     window.add((3 * _S, 100))
@@ -215,7 +213,7 @@ def test_bandwidth_without_a_present_is_that_at_the_last_arrival() -> None:
     assert found.average == pytest.approx(100)
 
 
-def test_a_window_that_is_cleared_begins_again() -> None:
+def test_a_window_that_is_cleared_begins_again():
     rates = _window(0, 1)
     rates.clear()
     rates.add(100 * _S)
@@ -233,7 +231,7 @@ def test_a_window_that_is_cleared_begins_again() -> None:
     assert (sizes.next_result(2 * _S), delays.next_result()) == (None, None)
 
 
-def test_small_delays_are_in_microseconds() -> None:
+def test_small_delays_are_in_microseconds():
     small, large = Statistics(1.2e-4, -3e-5, 3e-4, 5e-5, 9), Statistics(0.02, 1e-4, 0.03, 1e-3, 9)
     assert DELAY.rows({"/a": small}) == [
         "average delay: 120 us",

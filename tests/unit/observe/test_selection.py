@@ -10,7 +10,7 @@ from lcmtools.names import Resolver
 from lcmtools.observe.reading.selection import OneTopic, TopicPattern, select_topics
 
 
-def bus(*channels: str) -> Graph:
+def bus(*channels):
     """A bus on which something was seen on some channels."""
     return Graph(traffic=tuple(Traffic(name, None, (), 1, 8, 1, 1) for name in channels))
 
@@ -43,9 +43,7 @@ def bus(*channels: str) -> Graph:
         ("A.B*", "A.BC", ""),
     ],
 )
-def test_a_pattern_matches_whole_names_and_stays_within_a_part(
-    pattern: str, channel: str, path: str | None
-) -> None:
+def test_a_pattern_matches_whole_names_and_stays_within_a_part(pattern, channel, path):
     one = select_topics(pattern)
     assert isinstance(one, TopicPattern)
     one.update(bus(channel))
@@ -53,14 +51,14 @@ def test_a_pattern_matches_whole_names_and_stays_within_a_part(
     assert one.channels() == ([] if path is None else [channel])
 
 
-def test_a_relative_pattern_is_resolved_in_the_namespace() -> None:
+def test_a_relative_pattern_is_resolved_in_the_namespace():
     one = select_topics("odo*", Resolver("/husky0"))
     assert one.path_on("/husky0/odometry") == Path()
     assert one.path_on("/odometry") is None
     assert one.path_on("odometry") == Path()
 
 
-def test_a_topic_that_is_named_like_the_pattern_is_meant_alone() -> None:
+def test_a_topic_that_is_named_like_the_pattern_is_meant_alone():
     one = select_topics("A*B")
     assert isinstance(one, TopicPattern)
     one.update(bus("AXB"))
@@ -71,12 +69,12 @@ def test_a_topic_that_is_named_like_the_pattern_is_meant_alone() -> None:
 
 
 @pytest.mark.parametrize("argument", ["/a*/x[a]", "/a*/x[0", "/a*/x[0]]"])
-def test_an_index_that_is_wrong_is_found_at_once(argument: str) -> None:
+def test_an_index_that_is_wrong_is_found_at_once(argument):
     with pytest.raises(UsageError, match="field path"):
         select_topics(argument)
 
 
-def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
+def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus():
     one = select_topics("scan/ranges[0]")
     assert isinstance(one, OneTopic)
     one.update(bus("/other"))
@@ -88,12 +86,12 @@ def test_a_topic_is_told_from_its_path_when_it_is_on_the_bus() -> None:
     assert one.path_on("/scan") == parse_path("ranges[0]")
 
 
-def test_an_empty_name_is_refused() -> None:
+def test_an_empty_name_is_refused():
     with raises_saying(UsageError, "topic", "empty"):
         select_topics("")
 
 
-def test_a_remap_and_a_namespace_are_those_of_the_topic_that_is_meant() -> None:
+def test_a_remap_and_a_namespace_are_those_of_the_topic_that_is_meant():
     names = Resolver("/a", remaps=(("chatter", "/news"),))
     assert list(select_topics("chatter", names).channels()) == ["/news"]
     assert list(select_topics("/a/chatter", names).channels()) == ["/news"]

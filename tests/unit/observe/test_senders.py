@@ -2,7 +2,6 @@
 
 import os
 import socket
-from collections.abc import Collection
 
 import pytest
 
@@ -16,11 +15,11 @@ from lcmtools.wire.packet import Sender
 LOCAL, OTHER = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
 
 
-def test_a_process_is_looked_up_once_and_one_not_found_again_after_a_while() -> None:
-    asked: list[Collection[int]] = []
+def test_a_process_is_looked_up_once_and_one_not_found_again_after_a_while():
+    asked = []
     time = [0.0]
 
-    def read(ports: Collection[int]) -> SocketTable:
+    def read(ports):
         asked.append(ports)
         return SocketTable({5: UdpSocket("127.0.0.1", 1, 5, 0, 0)}, {5: Process(7, "drive")})
 
@@ -32,19 +31,19 @@ def test_a_process_is_looked_up_once_and_one_not_found_again_after_a_while() -> 
     assert (names.name(LOCAL), names.name(OTHER)) == ("drive (pid 7)", "127.0.0.1:2")
 
 
-def test_other_computers_are_not_looked_up() -> None:
+def test_other_computers_are_not_looked_up():
     names = SenderNames(lambda _: pytest.fail("looked up"))
     names.update([Sender("10.255.3.4", 5)])
     assert names.name(Sender("10.255.3.4", 5)) == "10.255.3.4:5"
 
 
-def test_a_node_is_named_before_its_process() -> None:
+def test_a_node_is_named_before_its_process():
     names = SenderNames(lambda _: pytest.fail("looked up"))
     names.update([LOCAL], [Node("/drive", "1", "here", 7, sender=LOCAL)])
     assert (names.name(LOCAL), names.name(None)) == ("/drive", "unknown sender")
 
 
-def test_a_port_that_processes_share_names_none_of_them() -> None:
+def test_a_port_that_processes_share_names_none_of_them():
     rows = {inode: UdpSocket("127.0.0.1", 1, inode, 0, 0) for inode in (5, 6)}
     table = SocketTable(rows, {5: Process(7, "one"), 6: Process(8, "other")})
     assert table.processes(LOCAL).only is None
@@ -52,7 +51,7 @@ def test_a_port_that_processes_share_names_none_of_them() -> None:
     assert table.processes(Sender("10.255.3.4", 1)).candidates == ()
 
 
-def test_a_node_of_another_pid_namespace_is_not_here() -> None:
+def test_a_node_of_another_pid_namespace_is_not_here():
     node = Node("/drive", "1", socket.gethostname(), os.getpid(), sender=LOCAL)
     here = own_pid_namespace()
     assert [is_here(node._replace(pid_namespace=n)) for n in (0, here, here + 1)] == [1, 1, 0]

@@ -9,7 +9,7 @@ SECOND = 1_000_000_000
 STEP = Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step_Request",))
 
 
-def _node(ticked: float, *ends: Endpoint) -> Node:
+def _node(ticked, *ends):
     clock = Endpoint("/clock", Role.PUBLISHER, messages=3, last_time=round(ticked * SECOND))
     return Node("/sim", "id", "host", 1, 50 * SECOND, endpoints=(clock, *ends), sent=100 * SECOND)
 
@@ -26,7 +26,5 @@ def _node(ticked: float, *ends: Endpoint) -> Node:
         (_node(90)._replace(endpoints=(STEP,)), ""),  # it follows the time of another one
     ],
 )
-def test_a_simulator_is_paused_when_its_clock_has_not_ticked_for_a_second(
-    node: Node, text: str
-) -> None:
+def test_a_simulator_is_paused_when_its_clock_has_not_ticked_for_a_second(node, text):
     assert pause_text(Graph((node,), time=100 * SECOND)) == text

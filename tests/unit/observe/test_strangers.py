@@ -1,6 +1,5 @@
 """Observers on a bus with strangers: what they send costs a bounded amount of work and memory."""
 
-from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
@@ -42,33 +41,33 @@ class Bus:
     is_live, is_log, is_awaiting, has_strangers = True, False, False, False
     numbered: dict[Sender, Any] = {}  # noqa: RUF012 - never filled
 
-    def __init__(self, answer: Callable[[str, bytes], list[Packet]] = lambda *_: []) -> None:
+    def __init__(self, answer=lambda *_: []):
         self._answer = answer
-        self.sent: list[tuple[str, bytes]] = []
-        self.waiting: list[Packet] = []
+        self.sent = []
+        self.waiting = []
 
-    def receive(self, timeout: float) -> list[Packet]:  # noqa: ARG002 - nothing else comes
+    def receive(self, timeout):  # noqa: ARG002 - nothing else comes
         """What the test has put there."""
         packets, self.waiting = self.waiting, []
         return packets
 
-    def send(self, channel: str, payload: bytes) -> None:
+    def send(self, channel, payload):
         """Keep it, and have it answered."""
         self.sent.append((channel, payload))
         self.waiting += self._answer(channel, payload)
 
-    def close(self) -> None:
+    def close(self):
         """Nothing is open."""
 
 
 @contextmanager
-def _monitor(bus: Bus, on_outage: Callable[[str], None] = lambda _: None) -> Iterator[BusMonitor]:
+def _monitor(bus, on_outage=lambda _: None):
     with BusMonitor(BusUrl("memq", ""), "spy", {}, bus, on_outage=on_outage) as monitor:
         yield monitor
 
 
-def test_that_more_is_on_the_bus_than_is_remembered_is_told_once() -> None:
-    told: list[str] = []
+def test_that_more_is_on_the_bus_than_is_remembered_is_told_once():
+    told = []
     bus = Bus()
     with _monitor(bus, told.append) as monitor:
         for _ in range(2):
@@ -80,7 +79,7 @@ def test_that_more_is_on_the_bus_than_is_remembered_is_told_once() -> None:
     assert "no longer listed" in sentence
 
 
-def test_it_announces_that_it_listens_to_a_bounded_number_of_topics() -> None:
+def test_it_announces_that_it_listens_to_a_bounded_number_of_topics():
     bus = Bus()
     node = _NODE._replace(endpoints=(Endpoint("/z", Role.PUBLISHER, ("a/B",)),))
     bus.waiting = [Packet(NODE_CHANNEL, encode_announcement(Announcement(node)), 1)]
@@ -94,11 +93,11 @@ def test_it_announces_that_it_listens_to_a_bounded_number_of_topics() -> None:
     assert topics[0] == "/z"  # whose publisher may wait for a subscriber
 
 
-def _answering(lost: int) -> Callable[[str, bytes], list[Packet]]:
+def _answering(lost):
     """A node that answers each probe but the first few, which are lost."""
-    probes: list[Probe] = []
+    probes = []
 
-    def answer(channel: str, payload: bytes) -> list[Packet]:
+    def answer(channel, payload):
         if channel != PROBE_CHANNEL or (probe := decode_probe(payload)) is None:
             return []
         probes.append(probe)
@@ -111,9 +110,7 @@ def _answering(lost: int) -> Callable[[str, bytes], list[Packet]]:
 
 
 @pytest.mark.parametrize("lost", [0, 1, 3])
-def test_a_ping_is_repeated_until_an_answer_comes(
-    lost: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_ping_is_repeated_until_an_answer_comes(lost, monkeypatch):
     monkeypatch.setattr(node_requests, "_ASK_AGAIN", 0.01)
     bus = Bus(_answering(lost))
     with _monitor(bus) as monitor:
@@ -122,20 +119,18 @@ def test_a_ping_is_repeated_until_an_answer_comes(
     assert len(set(probes)) == len(probes) == lost + 1
 
 
-def test_a_node_that_answers_no_ping_is_told() -> None:
+def test_a_node_that_answers_no_ping_is_told():
     with _monitor(Bus()) as monitor, raises_saying(NothingReceived, "/talker did not answer"):
         node_requests.ping(monitor, _NODE, 0.05)
 
 
-def test_answers_to_a_flood_of_probes_take_a_tenth_of_the_time(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_answers_to_a_flood_of_probes_take_a_tenth_of_the_time(monkeypatch):
     now = SimpleNamespace(wall=100.0, cpu=0.0)
     monkeypatch.setattr(presence.time, "monotonic", lambda: now.wall)
     monkeypatch.setattr(presence.time, "thread_time", lambda: now.cpu)
-    sent: list[Announcement | None] = []
+    sent = []
 
-    def send(_channel: str, payload: bytes) -> None:
+    def send(_channel, payload):
         sent.append(decode_announcement(payload))
         now.cpu += 0.01
 
@@ -151,10 +146,10 @@ def test_answers_to_a_flood_of_probes_take_a_tenth_of_the_time(
     assert sent[-1].answers == 1000  # who asked last, while it rested, is answered too
 
 
-def test_the_socket_table_is_read_once_for_all_publishers(monkeypatch: pytest.MonkeyPatch) -> None:
-    read: list[Collection[int] | None] = []
+def test_the_socket_table_is_read_once_for_all_publishers(monkeypatch):
+    read = []
 
-    def reading(ports: Collection[int] | None = None) -> SocketTable:
+    def reading(ports=None):
         read.append(ports)
         return SocketTable({}, {})
 
@@ -167,7 +162,7 @@ def test_the_socket_table_is_read_once_for_all_publishers(monkeypatch: pytest.Mo
     assert read == [set(range(4000, 4500))]
 
 
-def test_a_table_has_the_announced_and_the_latest_channels() -> None:
+def test_a_table_has_the_announced_and_the_latest_channels():
     bus, activity = Bus(), Activity(2.0)
     node = _NODE._replace(endpoints=(Endpoint("/z", Role.PUBLISHER, ("a/B",)),))
     bus.waiting = [Packet(NODE_CHANNEL, encode_announcement(Announcement(node)), 1)]
@@ -180,7 +175,7 @@ def test_a_table_has_the_announced_and_the_latest_channels() -> None:
     assert left_out == 98
 
 
-def test_the_activity_of_channels_is_bounded_in_a_live_view() -> None:
+def test_the_activity_of_channels_is_bounded_in_a_live_view():
     live, whole = Activity(2.0), Activity()
     for number in range(MOST_FLOWS + 10):
         for one in (live, whole):

@@ -14,6 +14,6 @@ TEXTS = {"size": size_text, "age": age_text, "rate": rate_text, "loss": loss_tex
 
 
 @pytest.mark.parametrize("kind", TABLE)
-def test_numbers_as_text(kind: str) -> None:
+def test_numbers_as_text(kind):
     for value, text in TABLE[kind]:
         assert TEXTS[kind](value) == text, value

@@ -32,7 +32,7 @@ _UNKNOWN = 1
         ),
     ],
 )
-def test_all_types_are_named(announced: str, sent: list[int], text: str) -> None:
+def test_all_types_are_named(announced, sent, text):
     ends = (Endpoint("/a", Role.SUBSCRIBER, (announced,), (fingerprint(String),)),)
     node = Node("/ear", "e", "h", 1, endpoints=ends if announced else ())
     traffic = (Traffic("/a", _PLAIN, tuple(sent), len(sent), 8, 0, 0),)

@@ -1,21 +1,16 @@
 """Fixtures of the tests of users' packages: folders to make, and a cache of the test's own."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
-
 import pytest
 
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 
-Write = Callable[[Mapping[str, str]], Path]
-
 
 @pytest.fixture
-def write(tmp_path: Path) -> Write:
+def write(tmp_path):
     """``write({"a/B.lcm": "text"})``: makes files; gives the folder that they are in."""
 
-    def make(files: Mapping[str, str]) -> Path:
+    def make(files):
         for name, text in files.items():
             path = tmp_path / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -26,16 +21,16 @@ def write(tmp_path: Path) -> Write:
 
 
 @pytest.fixture
-def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def cache_folder(tmp_path_factory):
     """An empty cache folder."""
     return tmp_path_factory.mktemp("cache")
 
 
 @pytest.fixture
-def types_of(cache_folder: Path) -> Callable[..., UserTypes]:
+def types_of(cache_folder):
     """``types_of(folder, ...)``: the types of a LCMTOOLS_TYPE_PATH of these folders."""
 
-    def make(*folders: Path) -> UserTypes:
+    def make(*folders):
         environment = {
             "LCMTOOLS_TYPE_PATH": ":".join(map(str, folders)),
             "XDG_CACHE_HOME": str(cache_folder),

@@ -1,8 +1,5 @@
 """A further node of a package: its file, and its line in pyproject.toml."""
 
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from fixtures.says import raises_saying
 
@@ -10,24 +7,22 @@ from lcmtools.errors import InvalidName, LcmtoolsError, UsageError
 from lcmtools.packages.add_node import add_node
 from lcmtools.packages.create import NewPackage, create
 from lcmtools.packages.runnable_nodes import runnables
-from lcmtools.packages.workspace import Package, workspace
-
-Write = Callable[..., Path]
+from lcmtools.packages.workspace import workspace
 
 MAIN = "def main(args=None):\n    pass\n"
 
 
 @pytest.fixture
-def package(tmp_path: Path) -> Package:
+def package(tmp_path):
     create(NewPackage("lab", "drive", dependencies=("nav_msgs",)), tmp_path / "lab")
     return workspace(tmp_path).packages[0]
 
 
-def nodes(package: Package) -> list[str]:
+def nodes(package):
     return [node.name for node in runnables(package.folder) if node.package == package.name]
 
 
-def test_a_node_is_written_and_declared_below_the_others(package: Package) -> None:
+def test_a_node_is_written_and_declared_below_the_others(package):
     before = (package.folder / "pyproject.toml").read_text()
     written = add_node(package, "look")
     assert written == [package.folder / "lab/look.py", package.folder / "pyproject.toml"]
@@ -41,7 +36,7 @@ def test_a_node_is_written_and_declared_below_the_others(package: Package) -> No
     assert nodes(package) == ["drive", "look"]
 
 
-def test_a_file_that_is_there_is_only_declared(package: Package) -> None:
+def test_a_file_that_is_there_is_only_declared(package):
     (package.folder / "lab/look.py").write_text(MAIN)
     assert add_node(package, "look") == [package.folder / "pyproject.toml"]
     assert (package.folder / "lab/look.py").read_text() == MAIN
@@ -53,12 +48,12 @@ def test_a_file_that_is_there_is_only_declared(package: Package) -> None:
     assert (package.folder / "lab/look.py").read_text() == "new"
 
 
-def test_a_node_that_is_declared_gets_the_file_that_is_missing(package: Package) -> None:
+def test_a_node_that_is_declared_gets_the_file_that_is_missing(package):
     (package.folder / "lab/drive.py").unlink()
     assert add_node(package, "drive") == [package.folder / "lab/drive.py"]
 
 
-def test_a_file_without_a_main_function_is_no_node(package: Package) -> None:
+def test_a_file_without_a_main_function_is_no_node(package):
     before = (package.folder / "pyproject.toml").read_text()
     (package.folder / "lab/look.py").write_text("print(1)\n")
     with raises_saying(UsageError, "no function main"):
@@ -67,7 +62,7 @@ def test_a_file_without_a_main_function_is_no_node(package: Package) -> None:
 
 
 @pytest.mark.parametrize("name", ["Look", "a b", "msg", "class", "__init__", "../look"])
-def test_names_that_no_file_can_have_are_refused(package: Package, name: str) -> None:
+def test_names_that_no_file_can_have_are_refused(package, name):
     with pytest.raises(InvalidName):
         add_node(package, name)
 
@@ -82,7 +77,7 @@ def test_names_that_no_file_can_have_are_refused(package: Package, name: str) ->
         ),
     ],
 )
-def test_other_forms_of_a_description_are_understood(write: Write, project: str) -> None:
+def test_other_forms_of_a_description_are_understood(write, project):
     root = write({"lab/pyproject.toml": project, "lab/lab/__init__.py": ""})
     (package,) = workspace(root).packages
     add_node(package, "look")
@@ -93,7 +88,7 @@ def test_other_forms_of_a_description_are_understood(write: Write, project: str)
     )
 
 
-def test_a_description_of_another_form_is_left_alone(write: Write) -> None:
+def test_a_description_of_another_form_is_left_alone(write):
     project = (
         '[tool.lcmtools]\n[project]\nname = "lab"\n[project.entry-points]\n'
         '"lcmtools.nodes" = {drive = "lab:main"}\n'

@@ -1,11 +1,9 @@
 """Nodes in C++: declared in CMakeLists.txt, added to a package, found before and after building."""
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from fixtures.programs import Program
 from fixtures.says import raises_saying
 
 from lcmtools.cli.completion.runnables import arguments
@@ -24,27 +22,27 @@ from lcmtools.packages.cpp_nodes import (
 from lcmtools.packages.create import NewPackage, create
 from lcmtools.packages.finding import find_node
 from lcmtools.packages.programs import built_program, files_below
-from lcmtools.packages.runnable_nodes import Runnable, runnables
-from lcmtools.packages.workspace import Package, workspace
+from lcmtools.packages.runnable_nodes import runnables
+from lcmtools.packages.workspace import workspace
 
 MAIN = "// Look around.\n#include <nav_msgs/Path.hpp>\nint main() {}\n"
 
 
 @pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Package:
+def package(tmp_path, monkeypatch):
     create(NewPackage("lab", "drive", dependencies=("nav_msgs",)), tmp_path / "lab")
     monkeypatch.chdir(tmp_path)
     return workspace(tmp_path).packages[0]
 
 
-def built(package: Package, name: str, place: str = "build") -> Path:
+def built(package, name, place="build"):
     program = package.folder / place / name
     program.parent.mkdir(parents=True, exist_ok=True)
     program.touch(mode=0o755)
     return program
 
 
-def look(package: Package) -> Runnable:
+def look(package):
     add_cpp_node(package, "look", cpp_source(package, "look.cpp", package.folder))
     return next(node for node in runnables(package.folder) if node.name == "look")
 
@@ -63,9 +61,7 @@ def look(package: Package) -> Runnable:
         ("add_executable(look src/look.cpp", {}),
     ],
 )
-def test_executables_of_a_project_are_nodes(
-    tmp_path: Path, text: str, sources: dict[str, str]
-) -> None:
+def test_executables_of_a_project_are_nodes(tmp_path, text, sources):
     assert cpp_sources(tmp_path) == {}
     (tmp_path / "CMakeLists.txt").write_text(text)
     assert cpp_sources(tmp_path) == {name: tmp_path / file for name, file in sources.items()}
@@ -81,15 +77,13 @@ def test_executables_of_a_project_are_nodes(
         ("", ""),
     ],
 )
-def test_the_first_comment_of_a_source_is_its_summary(
-    tmp_path: Path, text: str, summary: str
-) -> None:
+def test_the_first_comment_of_a_source_is_its_summary(tmp_path, text, summary):
     (tmp_path / "a.cpp").write_text(text)
     assert cpp_summary(tmp_path / "a.cpp") == summary
     assert cpp_summary(tmp_path / "missing.cpp") == ""
 
 
-def test_packages_of_included_types_are_known() -> None:
+def test_packages_of_included_types_are_known():
     text = (
         "#include <lcmtools/node.hpp>\n#include <geometry_msgs/Twist.hpp>\n"
         '  # include "geometry_msgs/Point.hpp"\n// #include <sensor_msgs/Image.hpp>\n'
@@ -114,9 +108,7 @@ def test_packages_of_included_types_are_known() -> None:
         ('"rclcpp/rclcpp.hpp"', ", as in ROS; here it is <lcmtools/node.hpp>"),
     ],
 )
-def test_an_include_that_cannot_be_found_is_explained(
-    tmp_path: Path, include: str, says: str
-) -> None:
+def test_an_include_that_cannot_be_found_is_explained(tmp_path, include, says):
     (tmp_path / "look.cpp").write_text(f"#include <nav_msgs/Path.hpp>\n#include {include}\n")
     project = (
         "add_executable(look look.cpp)\nlcmtools_generate(look nav_msgs geometry_msgs/Twist)\n"
@@ -127,16 +119,14 @@ def test_an_include_that_cannot_be_found_is_explained(
     assert said == (f"look.cpp includes <{include[1:-1]}>{says}" if says else "")
 
 
-def test_sources_that_are_no_nodes_yet_are_known(package: Package) -> None:
+def test_sources_that_are_no_nodes_yet_are_known(package):
     look(package)
     for name, text in (("see.cpp", MAIN), ("part.cpp", "int x;\n")):
         (package.folder / "src" / name).write_text(text)
     assert undeclared_sources(package.folder) == [package.folder / "src" / "see.cpp"]
 
 
-def test_a_source_that_is_newer_than_its_program_is_noted(
-    package: Package, start: Callable[..., Program], lcmtools_path: str
-) -> None:
+def test_a_source_that_is_newer_than_its_program_is_noted(package, start, lcmtools_path):
     source, program = look(package).source, built(package, "look")
     assert source is not None
     program.write_text("#!/bin/sh\necho runs with $1\n")
@@ -151,7 +141,7 @@ def test_a_source_that_is_newer_than_its_program_is_noted(
         assert ("newer" in run.output, note in run.output) == (bool(note), True)
 
 
-def test_a_new_node_in_cpp_gets_a_source_and_its_lines(package: Package) -> None:
+def test_a_new_node_in_cpp_gets_a_source_and_its_lines(package):
     project, source = package.folder / "CMakeLists.txt", package.folder / "src" / "look.cpp"
     assert source.parent.is_dir()  # as a new package has it
     assert add_cpp_node(package, "look", source) == [project, source]
@@ -168,7 +158,7 @@ def test_a_new_node_in_cpp_gets_a_source_and_its_lines(package: Package) -> None
     assert Path("other/CMakeLists.txt").read_text() == text.replace("lab", "other")
 
 
-def test_the_parts_of_a_source_are_declared_with_it(package: Package) -> None:
+def test_the_parts_of_a_source_are_declared_with_it(package):
     texts = {
         "look.cpp": f'#include "pid.hpp"\n  # include "own/eye.h"\n#include <own/not.hpp>\n{MAIN}',
         "pid.hpp": '#include "missing.hpp"\n#include "text.cpp"',
@@ -192,7 +182,7 @@ def test_the_parts_of_a_source_are_declared_with_it(package: Package) -> None:
     assert cpp_sources(package.folder) == {"look": source}
 
 
-def test_a_source_that_is_there_is_only_declared(package: Package) -> None:
+def test_a_source_that_is_there_is_only_declared(package):
     source = package.folder / "src" / "look.cpp"
     source.write_text("int x;\n")
     with raises_saying(UsageError, "src/look.cpp has no function main", "int main("):
@@ -213,7 +203,7 @@ def test_a_source_that_is_there_is_only_declared(package: Package) -> None:
 
 
 @pytest.mark.parametrize("name", ["Look", "test", "all", "class"])
-def test_names_that_no_node_in_cpp_can_have_are_refused(package: Package, name: str) -> None:
+def test_names_that_no_node_in_cpp_can_have_are_refused(package, name):
     with pytest.raises(InvalidName):
         add_cpp_node(package, name, package.folder / "src" / "look.cpp")
 
@@ -230,21 +220,19 @@ def test_names_that_no_node_in_cpp_can_have_are_refused(package: Package, name: 
         ("../there.cpp", "lab/src", "there.cpp"),
     ],
 )
-def test_a_source_is_found_or_placed_in_the_package(
-    package: Package, typed: str, here: str, place: str
-) -> None:
+def test_a_source_is_found_or_placed_in_the_package(package, typed, here, place):
     (package.folder / "there.cpp").touch()
     assert cpp_source(package, typed, Path.cwd() / here) == package.folder / place
 
 
 @pytest.mark.parametrize("typed", ["outside.cpp", "../../else.cpp"])
-def test_a_source_outside_the_package_is_refused(package: Package, typed: str) -> None:
+def test_a_source_outside_the_package_is_refused(package, typed):
     Path("outside.cpp").touch()
     with raises_saying(UsageError, "outside the package lab", "move it into lab/src"):
         cpp_source(package, typed, Path.cwd())
 
 
-def test_a_node_that_is_not_built_names_the_command(package: Package) -> None:
+def test_a_node_that_is_not_built_names_the_command(package):
     node = look(package)
     said = "the node 'look' of lab is not built", "lcmtools pkg build lab"
     with raises_saying(UsageError, *said):
@@ -255,7 +243,7 @@ def test_a_node_that_is_not_built_names_the_command(package: Package) -> None:
         find_executable("lab", "look", Path.cwd())
 
 
-def test_the_program_of_a_node_is_its_own_and_not_a_trial_of_cmake(package: Package) -> None:
+def test_the_program_of_a_node_is_its_own_and_not_a_trial_of_cmake(package):
     node = look(package)
     elsewhere, trial = built(package, "look", "other"), built(package, "look", "build/CMakeFiles/4")
     assert built_program(node) == elsewhere
@@ -267,14 +255,14 @@ def test_the_program_of_a_node_is_its_own_and_not_a_trial_of_cmake(package: Pack
     assert find_executable("lab", "look", Path.cwd()).command == (str(usual),)
 
 
-def test_nodes_in_cpp_are_listed_and_completed(package: Package) -> None:
+def test_nodes_in_cpp_are_listed_and_completed(package):
     node = look(package)
     assert node.summary() == "Count the messages on a topic."
     situation = Situation("", {"name": ("lab",), "arguments": ()}, {})
     assert [one.value for one in arguments(situation)] == ["drive", "look"]
 
 
-def test_an_undeclared_source_is_named_with_the_command(package: Package) -> None:
+def test_an_undeclared_source_is_named_with_the_command(package):
     source = package.folder / "src" / "look.cpp"
     for text, hint in (("int x;\n", "no main"), (MAIN, "lcmtools pkg add-node look.cpp")):
         source.write_text(text)

@@ -1,7 +1,6 @@
 """A new package: what is written, and that it is all or nothing."""
 
 import compileall
-from pathlib import Path
 
 import pytest
 from fixtures.says import raises_saying
@@ -10,11 +9,11 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.packages.create import NewPackage, create
 
 
-def files(folder: Path) -> set[str]:
+def files(folder):
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
 
 
-def test_everything_is_written_and_is_python(tmp_path: Path) -> None:
+def test_everything_is_written_and_is_python(tmp_path):
     folder = tmp_path / "lab"
     written = create(NewPackage("lab", "drive", "Stat", ("nav_msgs",), "MIT"), folder)
     assert {str(path) for path in written} == files(folder)
@@ -31,13 +30,13 @@ def test_everything_is_written_and_is_python(tmp_path: Path) -> None:
     assert compileall.compile_dir(folder, quiet=1)
 
 
-def test_without_a_message_there_is_no_folder_for_it(tmp_path: Path) -> None:
+def test_without_a_message_there_is_no_folder_for_it(tmp_path):
     create(NewPackage("lab", "drive"), tmp_path / "lab")
     assert not (tmp_path / "lab/lab/msg").exists()
     assert "license" not in (tmp_path / "lab/pyproject.toml").read_text()
 
 
-def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path: Path) -> None:
+def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path):
     folder = tmp_path / "lab"
     folder.mkdir()
     (folder / "README.md").write_text("mine")
@@ -49,7 +48,7 @@ def test_what_is_there_is_kept_unless_it_is_to_be_replaced(tmp_path: Path) -> No
     assert (folder / "README.md").read_text() != "mine"
 
 
-def test_where_nothing_can_be_written_nothing_stays(tmp_path: Path) -> None:
+def test_where_nothing_can_be_written_nothing_stays(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(LcmtoolsError, match="cannot write"):
         create(NewPackage("lab", "drive"), tmp_path / "file" / "lab")

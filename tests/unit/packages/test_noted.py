@@ -1,6 +1,5 @@
 """Noted workspaces: their packages are found from everywhere, like installed ones."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,8 +15,6 @@ from lcmtools.packages.user_types import UserTypes
 from lcmtools.packages.workspace import noting, workspace
 from lcmtools.types.fingerprints import FINGERPRINTS
 
-Write = Callable[..., Path]
-
 PROJECT = """\
 [project]
 name = "{0}"
@@ -28,16 +25,16 @@ name = "{0}"
 
 
 @pytest.fixture
-def home(tmp_path: Path) -> dict[str, str]:
+def home(tmp_path):
     """An environment with nothing but a home."""
     return {"HOME": str(tmp_path)}
 
 
-def file_of(home: dict[str, str]) -> Path:
+def file_of(home):
     return Path(home["HOME"], ".config/lcmtools/workspaces")
 
 
-def test_new_workspace_is_noted_before_the_others(tmp_path: Path, home: dict[str, str]) -> None:
+def test_new_workspace_is_noted_before_the_others(tmp_path, home):
     for name in ("one", "two words"):
         (tmp_path / name).mkdir()
         assert note_workspace(tmp_path / name, home)
@@ -50,9 +47,7 @@ def test_new_workspace_is_noted_before_the_others(tmp_path: Path, home: dict[str
     assert lines[2:] == [f"{tmp_path}/two words", f"{tmp_path}/one"]
 
 
-def test_workspace_that_is_gone_is_ignored_and_then_forgotten(
-    tmp_path: Path, home: dict[str, str]
-) -> None:
+def test_workspace_that_is_gone_is_ignored_and_then_forgotten(tmp_path, home):
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         note_workspace(tmp_path / name, home)
@@ -63,7 +58,7 @@ def test_workspace_that_is_gone_is_ignored_and_then_forgotten(
     assert "/one" not in file_of(home).read_text()
 
 
-def test_the_variable_replaces_the_file(tmp_path: Path, home: dict[str, str]) -> None:
+def test_the_variable_replaces_the_file(tmp_path, home):
     for name in ("one", "two", "three"):
         (tmp_path / name).mkdir()
     note_workspace(tmp_path / "one", home)
@@ -74,25 +69,21 @@ def test_the_variable_replaces_the_file(tmp_path: Path, home: dict[str, str]) ->
     assert noted_workspaces({**home, VARIABLE: ""}).folders == [tmp_path / "one"]
 
 
-def test_without_a_home_or_with_a_colon_nothing_is_noted(
-    tmp_path: Path, home: dict[str, str]
-) -> None:
+def test_without_a_home_or_with_a_colon_nothing_is_noted(tmp_path, home):
     assert noted_workspaces({}) == ([], "")
     assert not note_workspace(tmp_path, {})
     (tmp_path / "a:b").mkdir()
     assert not note_workspace(tmp_path / "a:b", home)
 
 
-def test_file_that_cannot_be_written_is_named(tmp_path: Path, home: dict[str, str]) -> None:
+def test_file_that_cannot_be_written_is_named(tmp_path, home):
     (tmp_path / ".config").write_text("")
     with raises_saying(LcmtoolsError, f"cannot write {file_of(home)}"):
         note_workspace(tmp_path, home)
 
 
 @pytest.mark.parametrize("place", ["ws", "ws/src", "ws/a"])
-def test_package_of_a_noted_workspace_is_found_from_everywhere(
-    write: Write, monkeypatch: pytest.MonkeyPatch, place: str
-) -> None:
+def test_package_of_a_noted_workspace_is_found_from_everywhere(write, monkeypatch, place):
     package = "ws/src/a" if place != "ws/a" else "ws/a"
     root = write({f"{package}/pyproject.toml": PROJECT.format("a", "drive"), "else/x": ""})
     monkeypatch.setenv(VARIABLE, str(root / place))
@@ -106,9 +97,7 @@ def test_package_of_a_noted_workspace_is_found_from_everywhere(
     assert package_folder("a", root / "else") == root / package
 
 
-def test_packages_around_come_first_and_alone_without_a_name(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_packages_around_come_first_and_alone_without_a_name(write, monkeypatch):
     root = write(
         {
             "old/a/pyproject.toml": PROJECT.format("a", "drive"),
@@ -124,9 +113,7 @@ def test_packages_around_come_first_and_alone_without_a_name(
     assert [one.name for one in find_packages("b", root / "new")] == ["b"]
 
 
-def test_noted_package_replaces_nothing_of_lcmtools(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_noted_package_replaces_nothing_of_lcmtools(write, monkeypatch):
     root = write(
         {
             "ws/mine/pyproject.toml": PROJECT.format("mine", "talker"),
@@ -148,9 +135,7 @@ def test_noted_package_replaces_nothing_of_lcmtools(
     assert find_files(["mine"]) == [root / "ws/mine/launch/mine.launch"]
 
 
-def test_types_of_a_noted_package_come_before_shipped_ones(
-    write: Write, cache_folder: Path
-) -> None:
+def test_types_of_a_noted_package_come_before_shipped_ones(write, cache_folder):
     root = write(
         {
             "ws/air_lab0/pyproject.toml": PROJECT.format("air_lab0", "drive"),
@@ -163,16 +148,14 @@ def test_types_of_a_noted_package_come_before_shipped_ones(
     assert list(source.fingerprints) == ["air_lab0/Stat"]
 
 
-def test_ros_packages_of_a_noted_workspace_are_found(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ros_packages_of_a_noted_workspace_are_found(write, monkeypatch):
     xml = "<package><name>rover</name></package>"
     root = write({"ws/src/group/rover/package.xml": xml, "else/x": ""})
     monkeypatch.setenv(VARIABLE, str(root / "ws"))
     assert ros_packages(root / "else") == {"rover": root / "ws/src/group/rover"}
 
 
-def test_package_itself_is_noted_where_its_workspace_would_not_be_searched(write: Write) -> None:
+def test_package_itself_is_noted_where_its_workspace_would_not_be_searched(write):
     root = write({"ws/a/pyproject.toml": PROJECT.format("a", "drive")})
     package = root / "ws" / "a"
     assert noting(package) == root / "ws"

@@ -1,7 +1,6 @@
 """Programs of packages: executable files, found as rosrun finds them."""
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,13 +9,11 @@ from fixtures.says import raises_saying
 from lcmtools.errors import UsageError
 from lcmtools.packages.programs import command_of, find_program, programs_in
 
-Write = Callable[..., Path]
-
 PROJECT = '[project]\nname = "air_lab0"\n[tool.lcmtools]\n'
 
 
 @pytest.fixture
-def package(write: Write) -> Path:
+def package(write):
     """A package with a script in src, as the Husky text has it, and a module."""
     root = write(
         {
@@ -31,9 +28,7 @@ def package(write: Write) -> Path:
 
 @pytest.mark.parametrize("place", ["src", "scripts", ".", "build/deep"])
 @pytest.mark.parametrize("name", ["evaluate_controller.py", "evaluate_controller"])
-def test_an_executable_file_is_found_anywhere_in_a_package(
-    package: Path, place: str, name: str
-) -> None:
+def test_an_executable_file_is_found_anywhere_in_a_package(package, place, name):
     script = package / place / "evaluate_controller.py"
     script.parent.mkdir(parents=True, exist_ok=True)
     (package / "src" / "evaluate_controller.py").rename(script)
@@ -42,20 +37,18 @@ def test_an_executable_file_is_found_anywhere_in_a_package(
     assert programs_in(package) == [script]
 
 
-def test_a_file_that_is_not_executable_is_named_with_the_command(package: Path) -> None:
+def test_a_file_that_is_not_executable_is_named_with_the_command(package):
     with raises_saying(UsageError, "src/evaluate_controller.py is not executable", "chmod +x "):
         find_program(["air_lab0", "evaluate_controller.py"], package.parent)
 
 
-def test_a_module_is_no_program(package: Path) -> None:
+def test_a_module_is_no_program(package):
     assert find_program(["air_lab0", "part"], package.parent) is None
     assert find_program(["air_lab0"], package.parent) is None
     assert find_program(["other", "part"], package.parent) is None
 
 
-def test_several_programs_of_one_name_are_named(
-    package: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_several_programs_of_one_name_are_named(package, monkeypatch):
     monkeypatch.chdir(package)
     for place in ("src", "scripts", "build", ".hidden"):
         (package / place).mkdir(exist_ok=True)
@@ -65,7 +58,7 @@ def test_several_programs_of_one_name_are_named(
         find_program(["air_lab0", "drive"], package.parent)
 
 
-def test_the_whole_name_comes_before_the_one_without_suffix(package: Path) -> None:
+def test_the_whole_name_comes_before_the_one_without_suffix(package):
     for name in ("drive", "drive.py"):
         (package / name).touch(mode=0o755)
         assert find_program(["air_lab0", name], package) == package / name
@@ -84,23 +77,21 @@ def test_the_whole_name_comes_before_the_one_without_suffix(package: Path) -> No
     ],
 )
 def test_this_python_runs_files_that_name_no_installed_one(
-    write: Write, name: str, first: str, *, is_by_this_python: bool
-) -> None:
+    write, name, first, *, is_by_this_python
+):
     path = write({name: first}) / name
     by_python = (sys.executable, "-m", "lcmtools.packages.script", str(path))
     assert command_of(path) == (by_python if is_by_this_python else (str(path),))
 
 
-def test_an_installed_interpreter_is_the_files_choice(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_installed_interpreter_is_the_files_choice(write, monkeypatch):
     root = write({"a.py": "#!/usr/bin/env python0.9\n", "python0.9": ""})
     (root / "python0.9").chmod(0o755)
     monkeypatch.setenv("PATH", str(root))
     assert command_of(root / "a.py") == (str(root / "a.py"),)
 
 
-def test_this_python_runs_files_that_name_it(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_this_python_runs_files_that_name_it(write, monkeypatch):
     folder = Path(sys.executable).parent
     monkeypatch.setenv("PATH", str(folder))
     path = write({"a.py": f"#!/usr/bin/env {Path(sys.executable).name}\n"}) / "a.py"

@@ -1,6 +1,5 @@
 """ROS's .msg and .srv files become the types that lcm-gen makes of the equivalent .lcm files."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -20,9 +19,6 @@ from lcmtools.packages.runnable_nodes import Runnable
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.packages.workspace import Workspace, workspace
 from lcmtools.types.fingerprints import FINGERPRINTS
-
-Types = Callable[..., UserTypes]
-Write = Callable[..., Path]
 
 EVERYTHING = """\
 # a comment
@@ -66,18 +62,16 @@ struct Everything {
 PART = "package b; struct Part { int16_t x; }"
 
 
-def registry(types: UserTypes) -> Registry:
+def registry(types):
     return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
 
 
-def problems(types: UserTypes) -> list[str]:
+def problems(types):
     found = types.workspace()
     return [str(problem.error()) for problem in found.problems] if found else []
 
 
-def test_a_msg_file_has_the_fingerprint_of_the_equivalent_lcm_file(
-    write: Write, types_of: Types
-) -> None:
+def test_a_msg_file_has_the_fingerprint_of_the_equivalent_lcm_file(write, types_of):
     folder = write(
         {
             "a/msg/Everything.msg": EVERYTHING,
@@ -120,9 +114,7 @@ def test_a_msg_file_has_the_fingerprint_of_the_equivalent_lcm_file(
         ("air_lab0/ControllerEvaluationStat", "uint32 samples\nfloat64 last\nfloat64 average\n"),
     ],
 )
-def test_ros_definitions_have_the_shipped_types_fingerprints(
-    write: Write, types_of: Types, name: str, text: str
-) -> None:
+def test_ros_definitions_have_the_shipped_types_fingerprints(write, types_of, name, text):
     package, _, short = name.partition("/")
     types = types_of(write({f"{package}/msg/{short}.msg": text}))
     source = types.workspace()
@@ -136,7 +128,7 @@ def test_ros_definitions_have_the_shipped_types_fingerprints(
     assert (source.fingerprints[name], problems(types)) == (FINGERPRINTS[name], [])
 
 
-def test_constants_have_their_values_and_text_too(write: Write, types_of: Types) -> None:
+def test_constants_have_their_values_and_text_too(write, types_of):
     text = (
         "uint8 OK=0\nuint8 BAD = 200 # bad\nint64 BIG=-5000000000\nint32 HEX=0x1F\nbool YES=True\n"
         "float32 HALF=0.5\nfloat64 TINY=1e-30\nstring NAME=  a 'b' # no comment\n"
@@ -151,7 +143,7 @@ def test_constants_have_their_values_and_text_too(write: Write, types_of: Types)
     assert problems(types_of(write({}))) == []
 
 
-def test_a_service_is_a_pair_of_types(write: Write, types_of: Types) -> None:
+def test_a_service_is_a_pair_of_types(write, types_of):
     text = "# to where\nfloat64[] goal\n---\nbool success\nstring message\n"
     known = registry(types_of(write({"p/srv/Drive.srv": text, "p/srv/Stop.srv": "---\n"})))
     assert known.service_names() == ["p/Drive", "p/Stop"]
@@ -161,7 +153,7 @@ def test_a_service_is_a_pair_of_types(write: Write, types_of: Types) -> None:
     assert definition(known.service_class("p/Stop").Response) == ""
 
 
-def test_an_action_is_three_types(write: Write, types_of: Types) -> None:
+def test_an_action_is_three_types(write, types_of):
     folder = write({"p/action/Dock.action": "uint8 FAST=1\nint32 dock\n---\n---\nfloat32 left\n"})
     types = types_of(folder)
     known, source = registry(types), types.workspace()
@@ -172,7 +164,7 @@ def test_an_action_is_three_types(write: Write, types_of: Types) -> None:
     assert texts == ["uint8 FAST=1\nint32 dock", "float32 left"]
 
 
-def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None:
+def test_types_of_a_ros_package_in_the_workspace_are_found(write):
     root = write(
         {
             "src/survey_msgs/package.xml": "<package><name>survey_msgs</name></package>",
@@ -207,9 +199,7 @@ def test_types_of_a_ros_package_in_the_workspace_are_found(write: Write) -> None
         ),
     ],
 )
-def test_the_package_is_the_folder_s_or_what_its_project_says(
-    write: Write, types_of: Types, files: dict[str, str], name: str
-) -> None:
+def test_the_package_is_the_folder_s_or_what_its_project_says(write, types_of, files, name):
     found = types_of(write(files)).workspace()
     assert found is not None
     assert (list(found.fingerprints), found.problems) == ([name], [])
@@ -244,9 +234,7 @@ def test_the_package_is_the_folder_s_or_what_its_project_says(
         ("int8 x\nint8 x", "M.msg:2: Duplicate member name 'x'"),
     ],
 )
-def test_a_mistake_is_named_with_its_line(
-    write: Write, types_of: Types, text: str, said: str
-) -> None:
+def test_a_mistake_is_named_with_its_line(write, types_of, text, said):
     words = {
         "example": "write  float64[] values  or  int32 LIMIT=5",
         "zeros": "leave it out: a new message has zeros",
@@ -257,7 +245,7 @@ def test_a_mistake_is_named_with_its_line(
     assert problems(types_of(folder)) == [f"{folder}/p/msg/{said.format_map(words)}"]
 
 
-def test_files_that_cannot_be_types_are_named(write: Write, types_of: Types) -> None:
+def test_files_that_cannot_be_types_are_named(write, types_of):
     folder = write({"p/msg/my-type.msg": "int8 x", "p/srv/Go.srv": "int8 x\n"})
     (folder / "p/msg/Mail.msg").write_bytes(b"\xd0\xcf\x11\xe0")
     mail, name, service = problems(types_of(folder))
@@ -268,14 +256,14 @@ def test_files_that_cannot_be_types_are_named(write: Write, types_of: Types) -> 
         registry(types_of(folder)).service_class("p/Go")
 
 
-def test_a_changed_file_is_read_again(write: Write, types_of: Types) -> None:
+def test_a_changed_file_is_read_again(write, types_of):
     folder = write({"p/msg/A.msg": "string NAME=a\nint8 x"})
-    assert registry(types_of(folder)).message_class("p/A").NAME == "a"  # type: ignore[attr-defined]
+    assert registry(types_of(folder)).message_class("p/A").NAME == "a"
     write({"p/msg/A.msg": "string NAME=b\nint8 x"})
-    assert registry(types_of(folder)).message_class("p/A").NAME == "b"  # type: ignore[attr-defined]
+    assert registry(types_of(folder)).message_class("p/A").NAME == "b"
 
 
-def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> None:
+def test_code_for_other_languages_is_generated(write, tmp_path):
     folder = write({"p/msg/A.msg": "float64[] values\n", "p/srv/Go.srv": "int8 x\n---\n"})
     files = [folder / "p/msg/A.msg", folder / "p/srv/Go.srv"]
     made = generate_code(files, "cpp", tmp_path / "generated")
@@ -289,9 +277,7 @@ def test_code_for_other_languages_is_generated(write: Write, tmp_path: Path) -> 
     assert "changed" not in made[1].read_text()
 
 
-def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(
-    write: Write, types_of: Types, tmp_path: Path
-) -> None:
+def test_enums_get_code_in_cpp_as_lcm_gen_writes_none(write, types_of, tmp_path):
     text = "package a.b; enum Gear { LOW = 0, BACK = -1 } struct Shift { Gear gear; }"
     folder = write({"e.lcm": text, "f.lcm": "enum Bare { ONE = 1 }"})
     made = generate_code([folder / "e.lcm", folder / "f.lcm"], "cpp", tmp_path / "generated")
@@ -331,8 +317,8 @@ _KEYWORDS = {
     ],
 )
 def test_a_name_that_is_a_keyword_of_the_language_is_an_error_with_its_line(
-    file: str, language: str, error: str, write: Write, tmp_path: Path
-) -> None:
+    file, language, error, write, tmp_path
+):
     source, target = write(_KEYWORDS) / file, tmp_path / "generated"
     if not error:
         assert generate_code([source], language, target)
@@ -342,9 +328,7 @@ def test_a_name_that_is_a_keyword_of_the_language_is_an_error_with_its_line(
     assert not target.exists()
 
 
-def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
-    write: Write, tmp_path: Path
-) -> None:
+def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(write, tmp_path):
     folder = write({"p/msg/A.msg": "float64[] values\n"})
     with small_files(), raises_saying(LcmtoolsError, "cannot write", ": File too large"):
         generate_code([folder / "p/msg/A.msg"], "cpp", tmp_path / "generated")
@@ -352,7 +336,7 @@ def test_a_full_disk_of_which_lcm_gen_says_nothing_leaves_no_code(
 
 
 @given(st.text(max_size=200), st.sampled_from([".msg", ".srv", ".action"]))
-def test_any_text_is_survived_with_its_lines(text: str, suffix: str) -> None:
+def test_any_text_is_survived_with_its_lines(text, suffix):
     source = to_lcm(Path(f"/p/Name{suffix}"), text.encode("utf-8", "replace"), "p")
     if not source.problems:
         assert len(source.text.splitlines()) <= len(text.splitlines()) + 1

@@ -2,8 +2,6 @@
 
 import importlib
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
 
 import pytest
 
@@ -43,9 +41,7 @@ MODULES |= {"lab", "lab_types"}
 
 
 @pytest.fixture(autouse=True)
-def _modules(
-    write: Callable[[Mapping[str, str]], Path], cache_folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[None]:
+def _modules(write, cache_folder, monkeypatch):
     """Provide the modules of the types on LCMTOOLS_TYPE_PATH, and Python packages beside them."""
     root = write(FILES)
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache_folder))
@@ -85,18 +81,18 @@ def _modules(
         ("from lab_types import More", "More", "lab_types/More"),
     ],
 )
-def test_types_are_imported(statement: str, name: str, kind: str) -> None:
+def test_types_are_imported(statement, name, kind):
     assert _run(f"{statement}\nfound = {name}") is message_class(kind)
 
 
-def test_an_enum_is_imported_with_its_values() -> None:
+def test_an_enum_is_imported_with_its_values():
     assert _run("from rover.msg import Gear\nfound = Gear.HIGH + 1") == 4
     assert _run("from rover import Gear\nfound = Gear(3)") == "HIGH"
     assert _run("from rover.msg import *\nfound = Gear.LOW") == 0
 
 
-def test_a_service_is_the_one_that_its_name_means() -> None:
-    from rover.srv import Go  # type: ignore[import-not-found] # found at run time
+def test_a_service_is_the_one_that_its_name_means():
+    from rover.srv import Go
 
     assert Go is service_class("rover/Go")
 
@@ -105,7 +101,7 @@ def test_a_service_is_the_one_that_its_name_means() -> None:
     ("module", "value"),
     [("real", 1), ("real.msg", 2), ("bare", 3), ("mixed.msg.code", 4), ("lab", 5)],
 )
-def test_a_python_package_of_that_name_takes_precedence(module: str, value: int) -> None:
+def test_a_python_package_of_that_name_takes_precedence(module, value):
     assert importlib.import_module(module).own == value
     with pytest.raises(ImportError):
         _run("from real.msg import Real")
@@ -129,17 +125,17 @@ def test_a_python_package_of_that_name_takes_precedence(module: str, value: int)
         ("import no_such_package.msg", "No module named 'no_such_package'"),
     ],
 )
-def test_what_is_missing_is_named_with_what_is_there(statement: str, said: str) -> None:
+def test_what_is_missing_is_named_with_what_is_there(statement, said):
     with pytest.raises(ImportError, match=said):
         _run(statement)
 
 
-def test_a_wrong_file_is_named_when_its_type_is_imported() -> None:
+def test_a_wrong_file_is_named_when_its_type_is_imported():
     with pytest.raises(LcmtoolsError, match=r"wrong\.lcm:1: .*a ';' is missing"):
         _run("from wrong.msg import Wrong")
 
 
-def test_no_type_file_is_read_for_other_modules(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_type_file_is_read_for_other_modules(monkeypatch):
     monkeypatch.setattr("lcmtools.packages.user_types.read_folders", None)
     monkeypatch.delitem(sys.modules, "colorsys", raising=False)
     assert importlib.import_module("colorsys")
@@ -150,8 +146,8 @@ def test_no_type_file_is_read_for_other_modules(monkeypatch: pytest.MonkeyPatch)
         importlib.import_module("rover")
 
 
-def _run(program: str) -> object:
+def _run(program):
     """Run a program; return its value ``found``."""
-    values: dict[str, object] = {}
+    values = {}
     exec(program, values)  # noqa: S102 - the test's own text
     return values.get("found")

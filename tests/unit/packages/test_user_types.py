@@ -2,8 +2,6 @@
 
 import marshal
 import threading
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 from fixtures.says import assert_says
@@ -14,31 +12,25 @@ from lcmtools.messages.registry import Registry, fingerprint, message_class, typ
 from lcmtools.messages.supply import set_supply
 from lcmtools.messages.type_source import TypeSource
 from lcmtools.packages import cache, provide_user_types
-from lcmtools.packages.placed_type import Parsed, parse_file
-from lcmtools.packages.type_files import LcmFile
+from lcmtools.packages.placed_type import parse_file
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.types.geometry_msgs import Twist
 
-Types = Callable[..., UserTypes]
-Write = Callable[..., Path]
-
 STAT = "package lab;\nstruct Stat\n{\n  int32_t samples;\n  geometry_msgs.Twist twist;\n}\n"
 
 
-def registry(types: UserTypes) -> Registry:
+def registry(types):
     return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
 
 
-def near(types: UserTypes) -> TypeSource:
+def near(types):
     found = types.workspace()
     assert found is not None
     return found
 
 
-def test_types_are_made_of_shipped_types_and_of_each_other_across_packages(
-    write: Write, types_of: Types
-) -> None:
+def test_types_are_made_of_shipped_types_and_of_each_other_across_packages(write, types_of):
     folder = write(
         {
             "lab/Stat.lcm": STAT,
@@ -61,9 +53,7 @@ def test_types_are_made_of_shipped_types_and_of_each_other_across_packages(
     assert {"lab/Stat", "other.deep/More", "plain_t"} <= set(known.type_names())
 
 
-def test_a_file_without_a_package_does_not_take_the_one_of_the_file_before(
-    write: Write, types_of: Types
-) -> None:
+def test_a_file_without_a_package_does_not_take_the_one_of_the_file_before(write, types_of):
     folder = write({"a.lcm": "package p;\nstruct A { byte x; }\n", "b.lcm": "struct B { A a; }\n"})
     source = near(types_of(folder))
     assert set(source.fingerprints) == {"p/A"}
@@ -71,16 +61,14 @@ def test_a_file_without_a_package_does_not_take_the_one_of_the_file_before(
     assert source.problems[0].hint == "did you mean p.A?"
 
 
-def test_fingerprint_leads_to_the_type(write: Write, types_of: Types) -> None:
+def test_fingerprint_leads_to_the_type(write, types_of):
     known = registry(types_of(write({"Stat.lcm": STAT})))
     cls = known.message_class("lab/Stat")
     assert known.candidates(fingerprint(cls)) == ["lab/Stat"]
 
 
-def test_own_type_counts_and_the_shipped_one_is_found_by_its_fingerprint(
-    write: Write, types_of: Types
-) -> None:
-    said: list[str] = []
+def test_own_type_counts_and_the_shipped_one_is_found_by_its_fingerprint(write, types_of):
+    said = []
     types = types_of(write({"s.lcm": "package std_msgs;\nstruct String { string text; }\n"}))
     known = Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types, said.append)
     own = known.message_class("std_msgs/String")
@@ -92,9 +80,7 @@ def test_own_type_counts_and_the_shipped_one_is_found_by_its_fingerprint(
     assert_says(said[0], "lcmtools: std_msgs/String", "differs", "; ")
 
 
-def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(
-    tmp_path: Path, types_of: Types
-) -> None:
+def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(tmp_path, types_of):
     for name, field in (("a", "double x"), ("b", "double y"), ("c", "double x")):
         (tmp_path / name).mkdir()
         (tmp_path / name / "T.lcm").write_text(f"package p;\nstruct T {{ {field}; }}\n")
@@ -167,9 +153,7 @@ def test_of_two_folders_with_the_same_type_the_first_counts_and_that_is_said(
         ('struct T {\n """ byte x; }', 2, "unexpected '\"'", "a .lcm file has words"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_told_with_its_line(
-    text: str, line: int, what: str, hint: str, write: Write, types_of: Types
-) -> None:
+def test_what_is_wrong_with_a_file_is_told_with_its_line(text, line, what, hint, write, types_of):
     folder = write({"p/T.lcm": text, "p/Good.lcm": "package p;\nstruct Good { byte x; }\n"})
     source = near(types_of(folder))
     assert set(source.fingerprints) == {"p/Good"}, "the others are not affected"
@@ -179,22 +163,20 @@ def test_what_is_wrong_with_a_file_is_told_with_its_line(
     assert hint in problem.hint
 
 
-def test_a_broken_file_is_what_its_type_is_refused_for_even_if_lcmtools_has_one(
-    write: Write, types_of: Types
-) -> None:
+def test_a_broken_file_is_what_its_type_is_refused_for_even_if_lcmtools_has_one(write, types_of):
     known = registry(types_of(write({"std_msgs/String.lcm": "package std_msgs;\nstruct String {"})))
     with pytest.raises(Exception, match=r"String\.lcm:\d+: "):
         known.message_class("std_msgs/String")
     assert known.message_class("std_msgs/Header").__slots__ == ["seq", "stamp", "frame_id"]
 
 
-def test_nothing_in_a_comment_is_run(write: Write, types_of: Types) -> None:
+def test_nothing_in_a_comment_is_run(write, types_of):
     evil = '// """\n// raise SystemExit\n/* """ + 1/0 + """ */\n'
     source = near(types_of(write({"T.lcm": f"{evil}struct T {{\n{evil} byte x; {evil} }}\n"})))
     assert (set(source.fingerprints), source.problems) == ({"T"}, [])
 
 
-def test_service_pairs_are_found(write: Write, types_of: Types) -> None:
+def test_service_pairs_are_found(write, types_of):
     text = "package p;\nstruct Go_Request { double x; }\nstruct Go_Response { boolean ok; }\n"
     known = registry(types_of(write({"Go.lcm": text})))
     assert known.service_names() == ["p/Go"]
@@ -203,7 +185,7 @@ def test_service_pairs_are_found(write: Write, types_of: Types) -> None:
     assert service.Response is known.message_class("p/Go_Response")
 
 
-def test_an_edited_file_counts_at_once(write: Write, types_of: Types) -> None:
+def test_an_edited_file_counts_at_once(write, types_of):
     types = types_of(write({"T.lcm": "package p;\nstruct T { double x; }\n"}))
     known = registry(types)
     old = known.message_class("p/T")
@@ -216,16 +198,14 @@ def test_an_edited_file_counts_at_once(write: Write, types_of: Types) -> None:
 MANY = {f"T{n}.lcm": f"package p;\nstruct T{n} {{ double x; }}\n" for n in range(70)}
 
 
-def forget(monkeypatch: pytest.MonkeyPatch) -> None:
+def forget(monkeypatch):
     """Forget what this process has parsed, as a new one would not know it."""
     for name in ("_sources", "_parsed"):
         monkeypatch.setattr(cache, name, {})
     monkeypatch.setattr(cache, "_read", set())
 
 
-def test_what_is_parsed_once_is_kept(
-    write: Write, types_of: Types, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_parsed_once_is_kept(write, types_of, monkeypatch):
     folder = write(MANY)
     forget(monkeypatch)
     first = near(types_of(folder))
@@ -236,16 +216,14 @@ def test_what_is_parsed_once_is_kept(
     assert registry(types_of(folder)).message_class("p/T7").__slots__ == ["x"]
 
 
-def test_of_many_files_only_a_new_one_is_parsed(
-    write: Write, types_of: Types, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_many_files_only_a_new_one_is_parsed(write, types_of, monkeypatch):
     folder = write(MANY)
     near(types_of(folder))
     forget(monkeypatch)
     write({"T3.lcm": "package p;\nstruct T3 { double y; }\n"})
-    parsed: list[str] = []
+    parsed = []
 
-    def parse(file: LcmFile) -> Parsed:
+    def parse(file):
         parsed.append(file.path.name)
         return parse_file(file)
 
@@ -254,12 +232,10 @@ def test_of_many_files_only_a_new_one_is_parsed(
     assert parsed == ["T3.lcm"]
 
 
-def test_many_at_once_make_the_same(
-    write: Write, types_of: Types, cache_folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_many_at_once_make_the_same(write, types_of, cache_folder, monkeypatch):
     folder = write(MANY)
     forget(monkeypatch)
-    found: list[TypeSource] = []
+    found = []
     threads = [
         threading.Thread(target=lambda: found.append(near(types_of(folder)))) for _ in range(4)
     ]
@@ -275,12 +251,8 @@ def test_many_at_once_make_the_same(
 
 @pytest.mark.parametrize("damage", [b"", b"{", marshal.dumps(("7", [])), marshal.dumps((1, 2, 3))])
 def test_a_cache_that_somebody_has_damaged_is_made_anew(
-    write: Write,
-    types_of: Types,
-    cache_folder: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    damage: bytes,
-) -> None:
+    write, types_of, cache_folder, monkeypatch, damage
+):
     folder = write(MANY)
     forget(monkeypatch)
     first = near(types_of(folder))
@@ -290,7 +262,7 @@ def test_a_cache_that_somebody_has_damaged_is_made_anew(
     assert registry(types_of(folder)).message_class("p/T0").__slots__ == ["x"]
 
 
-def test_without_a_cache_folder_types_work_all_the_same(write: Write, tmp_path: Path) -> None:
+def test_without_a_cache_folder_types_work_all_the_same(write, tmp_path):
     folder = write({"T.lcm": "package p;\nstruct T { double x; }\n"})
     (tmp_path / "file").write_text("")
     environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(tmp_path / "file")}
@@ -298,19 +270,19 @@ def test_without_a_cache_folder_types_work_all_the_same(write: Write, tmp_path: 
     assert registry(types).message_class("p/T").__slots__ == ["x"]
 
 
-def test_folder_that_is_not_there_is_told(types_of: Types, tmp_path: Path) -> None:
+def test_folder_that_is_not_there_is_told(types_of, tmp_path):
     source = near(types_of(tmp_path / "nope"))
     assert source.fingerprints == {}
     assert_says(str(source.problems[0].error()), f"{tmp_path}/nope: ", "no such folder")
 
 
-def test_nothing_is_looked_for_where_nothing_is_said(tmp_path: Path) -> None:
+def test_nothing_is_looked_for_where_nothing_is_said(tmp_path):
     assert UserTypes({}, [tmp_path], FINGERPRINTS).workspace() is None
 
 
 def test_a_look_up_reads_the_environment_only_where_the_edge_provides_it(
-    write: Write, cache_folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    write, cache_folder, monkeypatch
+):
     folder = write({"edge/Only.lcm": "package edge;\nstruct Only { double x; }\n"})
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache_folder))
     monkeypatch.setenv("LCMTOOLS_TYPE_PATH", str(folder))

@@ -2,7 +2,6 @@
 
 import errno
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,18 +12,16 @@ from lcmtools.packages.finding import find_node
 from lcmtools.packages.runnable_nodes import Runnable, runnables
 from lcmtools.packages.workspace import workspace
 
-Write = Callable[..., Path]
-
 PROJECT = '[project]\nname = "{}"\n[tool.lcmtools]\n'
 NODES = '[project]\nname = "{0}"\n[project.entry-points."lcmtools.nodes"]\n{1}\n[tool.lcmtools]\n'
 
 
-def names(*starts: Path) -> list[str]:
+def names(*starts):
     return [package.name for package in workspace(*starts).packages]
 
 
 @pytest.mark.parametrize("place", ["ws", "ws/a", "ws/a/a/msg", "ws/src", "ws/src/b", "ws/notes"])
-def test_workspace_is_found_from_everywhere_in_it(place: str, write: Write) -> None:
+def test_workspace_is_found_from_everywhere_in_it(place, write):
     root = write(
         {
             "ws/a/pyproject.toml": PROJECT.format("a"),
@@ -38,7 +35,7 @@ def test_workspace_is_found_from_everywhere_in_it(place: str, write: Write) -> N
 
 
 @pytest.mark.parametrize("place", ["ws", "ws/src/repo/a", "ws/src/repo"])
-def test_packages_in_a_repository_in_src_are_found(place: str, write: Write) -> None:
+def test_packages_in_a_repository_in_src_are_found(place, write):
     root = write(
         {
             "ws/src/repo/a/pyproject.toml": PROJECT.format("a"),
@@ -49,25 +46,23 @@ def test_packages_in_a_repository_in_src_are_found(place: str, write: Write) -> 
     assert names(root / place) == ["a", "b"]
 
 
-def test_outside_there_is_none(write: Write) -> None:
+def test_outside_there_is_none(write):
     root = write({"ws/a/pyproject.toml": PROJECT.format("a"), "else/where/x": ""})
     assert names(root / "else" / "where") == []
 
 
-def test_a_folder_that_everybody_writes_concerns_only_who_is_in_it(write: Write) -> None:
+def test_a_folder_that_everybody_writes_concerns_only_who_is_in_it(write):
     root = write({"all/a/pyproject.toml": PROJECT.format("a"), "all/mine/x": "", "all/a/b/x": ""})
     (root / "all").chmod(0o1777)
     assert names(root / "all" / "mine") == []
     assert names(root / "all") == names(root / "all" / "a" / "b") == ["a"]
 
 
-def test_a_folder_that_cannot_be_looked_into_stops_nobody(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_that_cannot_be_looked_into_stops_nobody(write, monkeypatch):
     root = write({"ws/a/pyproject.toml": PROJECT.format("a"), "ws/lost+found/x": ""})
     look = Path.stat
 
-    def refused(path: Path, **how: bool) -> os.stat_result:
+    def refused(path, **how):
         if path.parent.name == "lost+found":
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
         return look(path, **how)
@@ -76,7 +71,7 @@ def test_a_folder_that_cannot_be_looked_into_stops_nobody(
     assert names(root / "ws") == ["a"]
 
 
-def test_a_broken_package_stops_no_other(write: Write) -> None:
+def test_a_broken_package_stops_no_other(write):
     root = write(
         {
             "a/pyproject.toml": PROJECT.format("a"),
@@ -93,22 +88,20 @@ def test_a_broken_package_stops_no_other(write: Write) -> None:
     assert_says(told[2], f"{root}/d/pyproject.toml: ", "name", "; write ")
 
 
-def test_folders_of_other_users_are_not_taken(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folders_of_other_users_are_not_taken(write, monkeypatch):
     root = write({"a/pyproject.toml": PROJECT.format("a")})
     owner = (root / "a").stat().st_uid
     monkeypatch.setattr("os.getuid", lambda: owner + 1)
     assert names(root) == ([] if owner else ["a"]), "root's are everybody's"
 
 
-def test_nodes_come_from_the_workspace_and_from_what_is_installed(write: Write) -> None:
+def test_nodes_come_from_the_workspace_and_from_what_is_installed(write):
     root = write({"a/pyproject.toml": NODES.format("a", 'go = "a.go:main"')})
     found = {(node.package, node.name) for node in runnables(root)}
     assert {("a", "go"), ("lcmtools", "talker"), ("lcmtools", "sim")} <= found
 
 
-def test_a_node_that_is_no_function_says_so_when_it_is_loaded(write: Write) -> None:
+def test_a_node_that_is_no_function_says_so_when_it_is_loaded(write):
     root = write({"a/pyproject.toml": NODES.format("a", 'go = "a/go.py"\nstop = "a:stop"')})
     go, stop = (node for node in runnables(root) if node.package == "a")
     assert (go.name, stop.name) == ("go", "stop")
@@ -119,7 +112,7 @@ def test_a_node_that_is_no_function_says_so_when_it_is_loaded(write: Write) -> N
 MAIN = "def main(args=None):\n    pass\n"
 
 
-def said_of(*words: str) -> str:
+def said_of(*words):
     """Return what the user reads who types these words in the current folder."""
     here = Path.cwd()
     with pytest.raises(UsageError) as caught:
@@ -127,9 +120,7 @@ def said_of(*words: str) -> str:
     return str(caught.value)
 
 
-def test_nodes_of_the_workspace_have_precedence_over_lcmtools_own(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_nodes_of_the_workspace_have_precedence_over_lcmtools_own(write, monkeypatch):
     files = {
         "ws/a/pyproject.toml": NODES.format("a", 'talker = "a.talker:main"'),
         "ws/b/pyproject.toml": NODES.format("b", 'sim = "b:main"'),
@@ -145,9 +136,7 @@ def test_nodes_of_the_workspace_have_precedence_over_lcmtools_own(
         assert find_node(words, runnables(Path.cwd()), Path.cwd())[0].package == "lcmtools"
 
 
-def test_a_file_that_is_no_node_yet_is_named_with_the_line_that_is_missing(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_is_no_node_yet_is_named_with_the_line_that_is_missing(write, monkeypatch):
     root = write(
         {
             "a/pyproject.toml": NODES.format("a", 'go = "a:main"'),
@@ -171,9 +160,7 @@ def test_a_file_that_is_no_node_yet_is_named_with_the_line_that_is_missing(
     assert node.package == "lcmtools", "a module beside that is no program hides nothing"
 
 
-def test_a_file_in_a_package_with_a_broken_description_is_not_passed_over(
-    write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_in_a_package_with_a_broken_description_is_not_passed_over(write, monkeypatch):
     root = write({"a/pyproject.toml": "[tool.lcmtools]\n[project\n", "a/a/talker.py": MAIN})
     monkeypatch.chdir(root)
     broken = "a/a/talker.py is not a node yet; "
@@ -200,7 +187,7 @@ KNOWN = [
         (["same", "__ns:=/a"], "same", "same", ["__ns:=/a"]),
     ],
 )
-def test_words_mean_a_node(words: list[str], package: str, name: str, rest: list[str]) -> None:
+def test_words_mean_a_node(words, package, name, rest):
     node, left = find_node(words, KNOWN)
     assert (node.package, node.name, left) == (package, name, rest)
 
@@ -219,7 +206,7 @@ def test_words_mean_a_node(words: list[str], package: str, name: str, rest: list
         (["talkre"], "there is no node 'talkre'; did you mean talker?"),
     ],
 )
-def test_words_that_mean_no_node_get_a_hint(words: list[str], said: str) -> None:
+def test_words_that_mean_no_node_get_a_hint(words, said):
     with pytest.raises(UsageError) as caught:
         find_node(words, KNOWN)
     assert str(caught.value) == said

@@ -5,8 +5,6 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 
@@ -21,22 +19,20 @@ _OF_THE_C_LIBRARY = 0b11 << 31  # signals 32 and 33, which no program can change
 
 
 @pytest.fixture
-def guard() -> Iterator[ProcessGuard]:
+def guard():
     with ProcessGuard() as guard:
         yield guard
 
 
-def run(guard: ProcessGuard, script: str, tmp_path: Path, **options: int) -> str:
+def run(guard, script, tmp_path, **options):
     """Return all that a shell's script prints."""
-    start = Start(["sh", "-c", script], ENVIRONMENT, output=tmp_path / "output", **options)  # type: ignore[arg-type]
+    start = Start(["sh", "-c", script], ENVIRONMENT, output=tmp_path / "output", **options)
     with ChildProcess(start, guard, TIMEOUTS) as child:
         assert child.wait(20)
         return child.output(10_000)
 
 
-def test_it_has_the_given_environment_and_signals_and_no_descriptors(
-    guard: ProcessGuard, tmp_path: Path
-) -> None:
+def test_it_has_the_given_environment_and_signals_and_no_descriptors(guard, tmp_path):
     script = "env | grep -v -E '^(LCMTOOLS_GUARD|_|PWD|SHLVL|OLDPWD)='; ls /proc/self/fd; "
     script += "grep -e SigIgn -e SigBlk /proc/self/status"
     names, *rest = run(guard, script, tmp_path).split("\n0\n")
@@ -46,9 +42,7 @@ def test_it_has_the_given_environment_and_signals_and_no_descriptors(
     assert [mask & ~_OF_THE_C_LIBRARY for mask in masks] == [0, 0]
 
 
-def test_what_cannot_be_started_raises_the_systems_error(
-    guard: ProcessGuard, tmp_path: Path
-) -> None:
+def test_what_cannot_be_started_raises_the_systems_error(guard, tmp_path):
     broken = tmp_path / "broken"
     broken.write_bytes(b"\x7fELF nothing more")
     broken.chmod(0o755)
@@ -63,7 +57,7 @@ def test_what_cannot_be_started_raises_the_systems_error(
             ChildProcess(start, guard, TIMEOUTS)
 
 
-def test_lines_come_from_both_streams(guard: ProcessGuard) -> None:
+def test_lines_come_from_both_streams(guard):
     start = Start(["sh", "-c", "echo one; echo two >&2; printf three"], ENVIRONMENT)
     with ChildProcess(start, guard, TIMEOUTS) as child:
         assert child.wait(20)
@@ -71,7 +65,7 @@ def test_lines_come_from_both_streams(guard: ProcessGuard) -> None:
         assert child.code == 0
 
 
-def test_keys_come_through_a_controlling_terminal(guard: ProcessGuard, tmp_path: Path) -> None:
+def test_keys_come_through_a_controlling_terminal(guard, tmp_path):
     script = "read line < /dev/tty; echo got $line"
     start = Start(["sh", "-c", script], ENVIRONMENT, has_keyboard=True, output=tmp_path / "output")
     with ChildProcess(start, guard, TIMEOUTS) as child:
@@ -80,9 +74,7 @@ def test_keys_come_through_a_controlling_terminal(guard: ProcessGuard, tmp_path:
         assert child.output(100) == "got w\n"
 
 
-def test_what_it_prints_on_its_terminal_and_as_errors_is_in_its_file(
-    guard: ProcessGuard, tmp_path: Path
-) -> None:
+def test_what_it_prints_on_its_terminal_and_as_errors_is_in_its_file(guard, tmp_path):
     script = "read line; test -t 1 && echo got $line; echo error >&2; test -t 2 || exec false"
     start = Start(["sh", "-c", script], ENVIRONMENT, has_keyboard=True, output=tmp_path / "output")
     with ChildProcess(start, guard, TIMEOUTS) as child:
@@ -92,7 +84,7 @@ def test_what_it_prints_on_its_terminal_and_as_errors_is_in_its_file(
         assert child.code == 1
 
 
-def test_files_that_it_writes_are_limited(guard: ProcessGuard, tmp_path: Path) -> None:
+def test_files_that_it_writes_are_limited(guard, tmp_path):
     start = Start(
         ["sh", "-c", "read line; yes"],
         ENVIRONMENT,
@@ -106,7 +98,7 @@ def test_files_that_it_writes_are_limited(guard: ProcessGuard, tmp_path: Path) -
         assert len(child.output(10_000)) == 5000
 
 
-def test_it_is_started_while_other_threads_run(guard: ProcessGuard, tmp_path: Path) -> None:
+def test_it_is_started_while_other_threads_run(guard, tmp_path):
     stop = threading.Event()
     thread = threading.Thread(target=stop.wait)
     thread.start()
@@ -117,9 +109,7 @@ def test_it_is_started_while_other_threads_run(guard: ProcessGuard, tmp_path: Pa
         thread.join()
 
 
-def test_end_reaches_what_ignores_signals_and_what_it_has_started(
-    guard: ProcessGuard, tmp_path: Path, wait_until: Callable[..., None]
-) -> None:
+def test_end_reaches_what_ignores_signals_and_what_it_has_started(guard, tmp_path, wait_until):
     script = "trap '' INT TERM; sleep 1000 & echo $!; wait; sleep 1000"
     start = Start(["sh", "-c", script], ENVIRONMENT, output=tmp_path / "output")
     with ChildProcess(start, guard, StopTimeouts(0.1, 0.1)) as child:
@@ -129,7 +119,7 @@ def test_end_reaches_what_ignores_signals_and_what_it_has_started(
         wait_until(child.group_is_gone)
 
 
-def test_the_guard_ends_what_is_left(tmp_path: Path, wait_until: Callable[..., None]) -> None:
+def test_the_guard_ends_what_is_left(tmp_path, wait_until):
     start = Start(["sleep", "1000"], ENVIRONMENT, output=tmp_path / "output")
     with ProcessGuard() as guard:
         child = ChildProcess(start, guard, TIMEOUTS)
@@ -152,9 +142,7 @@ Killed().start(["sh", "-c", "echo $$ > pid; sleep 1000"], os.environ, "", (None,
 """
 
 
-def test_a_child_ends_whose_parent_is_killed_before_it_can_report_the_start(
-    tmp_path: Path, wait_until: Callable[..., None]
-) -> None:
+def test_a_child_ends_whose_parent_is_killed_before_it_can_report_the_start(tmp_path, wait_until):
     command = [sys.executable, "-c", _KILLED_BEFORE_ITS_REPORT]
     assert subprocess.run(command, cwd=tmp_path, check=False).returncode == -signal.SIGKILL
     wait_until(lambda: (tmp_path / "pid").is_file() and (tmp_path / "pid").read_text())

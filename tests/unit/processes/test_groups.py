@@ -3,12 +3,11 @@
 import os
 import signal
 import subprocess
-from collections.abc import Callable
 
 from lcmtools.processes.reaper import is_gone, send
 
 
-def test_group_is_gone_when_only_what_has_ended_is_left(wait_until: Callable[..., None]) -> None:
+def test_group_is_gone_when_only_what_has_ended_is_left(wait_until):
     process = subprocess.Popen(["sleep", "100"], start_new_session=True)  # noqa: S607
     try:
         assert not is_gone(process.pid)
@@ -20,5 +19,5 @@ def test_group_is_gone_when_only_what_has_ended_is_left(wait_until: Callable[...
     assert is_gone(process.pid)
 
 
-def test_no_signal_goes_to_the_own_group() -> None:
+def test_no_signal_goes_to_the_own_group():
     assert not send(0, signal.SIGKILL)

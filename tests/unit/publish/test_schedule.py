@@ -1,7 +1,6 @@
 """When messages are sent, by options and by where the messages come from."""
 
 import math
-from typing import Any
 
 import pytest
 
@@ -46,16 +45,14 @@ STREAM = Incoming(iter([]))
         ({"keep_alive": 3.0}, VALUES, Schedule(stay=3.0)),
     ],
 )
-def test_options_and_source_decide_when_to_send(
-    options: dict[str, Any], incoming: Incoming, schedule: Schedule
-) -> None:
+def test_options_and_source_decide_when_to_send(options, incoming, schedule):
     assert schedule_for(incoming, **options) == schedule
 
 
 @pytest.mark.parametrize(
     "options", [{"rate": 0.0}, {"rate": -5.0}, {"rate": math.nan}, {"count": 0}, {"count": -1}]
 )
-def test_rates_and_counts_are_positive(options: dict[str, Any]) -> None:
+def test_rates_and_counts_are_positive(options):
     with pytest.raises(UsageError, match=f"got {next(iter(options.values()))}"):
         schedule_for(VALUES, **options)
 
@@ -63,17 +60,15 @@ def test_rates_and_counts_are_positive(options: dict[str, Any]) -> None:
 class Time:
     """A clock that passes by sleeping."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.now = 100.0
 
-    def monotonic(self) -> float:
+    def monotonic(self):
         """Read it [s]."""
         return self.now
 
 
-def due(
-    monkeypatch: pytest.MonkeyPatch, rate: float, most_behind: float, takes: list[float]
-) -> list[float]:
+def due(monkeypatch, rate, most_behind, takes):
     """The times at which messages are due, where sending each takes so long [s]."""
     clock = Time()
     monkeypatch.setattr(module, "time", clock)
@@ -85,9 +80,7 @@ def due(
     return found
 
 
-def test_a_short_delay_is_made_up_for_and_a_long_one_is_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_short_delay_is_made_up_for_and_a_long_one_is_not(monkeypatch):
     assert due(monkeypatch, 10.0, 0.1, [0.15, 0.0, 0.0]) == [0.0, 0.1, 0.2]
     assert due(monkeypatch, 10.0, 0.1, [1.0, 0.0, 0.0, 0.0]) == [0.0, 1.0, 1.1, 1.2]
     assert due(monkeypatch, 10.0, 0.0, [0.15, 0.0, 0.0]) == [0.0, 0.15, 0.25]

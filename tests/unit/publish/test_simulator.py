@@ -1,6 +1,5 @@
 """The simulator that ``lcmtools sim`` calls."""
 
-from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
@@ -31,29 +30,26 @@ PLAYER = Node("/player", "3", "morse", 3, endpoints=LEADER.endpoints[:1])  # bag
 LATE = LEADER._replace(stale=Staleness.HANGS, endpoints=())
 
 
-Ask = Callable[..., list[str]]
-
-
 class Bus:
     """A bus that is seen so, one look after the other; it keeps whom somebody called."""
 
-    def __init__(self, *graphs: Graph) -> None:
+    def __init__(self, *graphs):
         self.url = ""
         self.graphs = list(graphs)
-        self.called: list[str] = []
+        self.called = []
 
-    def settle(self, *, foreign: bool) -> Graph:
+    def settle(self, *, foreign):
         """The state that is seen now."""
         del foreign
         return self.graphs.pop(0) if len(self.graphs) > 1 else self.graphs[0]
 
-    def create_client(self, pair: type, service: str) -> "Bus":
+    def create_client(self, pair, service):
         """Of any service."""
         del pair
         self.called.append(service)
         return self
 
-    def call(self, request: object, timeout: float) -> std_srvs.Trigger.Response:
+    def call(self, request, timeout):
         """Everything works."""
         del request, timeout
         response = std_srvs.Trigger.Response()
@@ -62,17 +58,17 @@ class Bus:
 
 
 @pytest.fixture
-def ask(monkeypatch: pytest.MonkeyPatch) -> Ask:
-    def asked(name: str | None, *graphs: Graph) -> list[str]:
+def ask(monkeypatch):
+    def asked(name, *graphs):
         bus = Bus(*graphs)
 
         @contextmanager
-        def found(*_: object) -> Iterator[Bus]:
+        def found(*_):
             yield bus
 
         monkeypatch.setattr(simulator, "own_node", found)
         simulator.call_simulator(
-            bus,  # type: ignore[arg-type] # what is used of it
+            bus,
             name,
             "step",
             sim_msgs.Step,
@@ -84,14 +80,14 @@ def ask(monkeypatch: pytest.MonkeyPatch) -> Ask:
 
 
 @pytest.mark.parametrize("name", [None, "sim", "/sim"])
-def test_a_leader_that_answers_late_is_waited_for(ask: Ask, name: str | None) -> None:
+def test_a_leader_that_answers_late_is_waited_for(ask, name):
     late = Graph(nodes=(LATE, FOLLOWER))
     complete = Graph(nodes=(LEADER, FOLLOWER))
 
     assert ask(name, late, complete) == ["/sim/step"]
 
 
-def test_a_log_that_is_played_with_its_clock_is_not_taken_for_the_leader(ask: Ask) -> None:
+def test_a_log_that_is_played_with_its_clock_is_not_taken_for_the_leader(ask):
     assert ask(None, Graph(nodes=(PLAYER, LEADER))) == ["/sim/step"]
     assert ask(None, Graph(nodes=(PLAYER, LEADER, FOLLOWER))) == ["/sim/step"]
     other = FOLLOWER._replace(name="/sim_husky3", id="4")

@@ -11,7 +11,7 @@ from lcmtools.types.geometry_msgs import Twist
 SECOND = 1_000_000_000
 
 
-def test_an_announcement_tells_how_long_it_was_kept() -> None:
+def test_an_announcement_tells_how_long_it_was_kept():
     ways = (Direction(Rules(), back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
     at_once = announced.convert(Announcement(Node("/far", "f", "robot", 7)), 9, SECOND)
@@ -22,7 +22,7 @@ def test_an_announcement_tells_how_long_it_was_kept() -> None:
     assert announced.recent(5 * SECOND) == []
 
 
-def test_a_stranger_who_makes_nodes_up_fills_no_memory() -> None:
+def test_a_stranger_who_makes_nodes_up_fills_no_memory():
     ways = (Direction(Rules(), back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
     for number in range(5000):
@@ -32,7 +32,7 @@ def test_a_stranger_who_makes_nodes_up_fills_no_memory() -> None:
     assert [one.node.id for one in announced.recent(2 * SECOND)] == ["large"]
 
 
-def test_what_a_relay_has_observed_gets_its_names_on_the_next_bus() -> None:
+def test_what_a_relay_has_observed_gets_its_names_on_the_next_bus():
     rules = Rules(prefix="robot7", deny=["/secret"])
     ways = (Direction(rules, back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)

@@ -6,14 +6,14 @@ from lcmtools.relay.echo import EchoFilter
 from lcmtools.relay.line_queue import LATE, LineMessage, LineQueue
 
 
-def _drain(queue: LineQueue) -> list[tuple[str, bytes]]:
+def _drain(queue):
     taken = []
     while queue.is_waiting:
         taken += [(one.channel, one.payload) for one in queue.pop(0.0)]
     return taken
 
 
-def test_messages_leave_in_order_and_the_protocols_first() -> None:
+def test_messages_leave_in_order_and_the_protocols_first():
     queue = LineQueue()
     queue.add([LineMessage("a", b"1"), LineMessage("b", b"2")])
     queue.add([LineMessage("a", b"3")])
@@ -22,7 +22,7 @@ def test_messages_leave_in_order_and_the_protocols_first() -> None:
     assert queue.pop(0.0) == []
 
 
-def test_only_the_newest_of_a_topic_waits() -> None:
+def test_only_the_newest_of_a_topic_waits():
     queue = LineQueue()
     for number in range(3):
         queue.add(
@@ -32,7 +32,7 @@ def test_only_the_newest_of_a_topic_waits() -> None:
     assert queue.dropped == 2
 
 
-def test_the_topic_that_takes_the_most_room_makes_way() -> None:
+def test_the_topic_that_takes_the_most_room_makes_way():
     queue = LineQueue(most_bytes=10_000)
     queue.add([LineMessage("cmd", b"stop")])
     for number in range(30):
@@ -43,14 +43,14 @@ def test_the_topic_that_takes_the_most_room_makes_way() -> None:
     assert queue.dropped == 26
 
 
-def test_a_message_that_is_larger_than_the_room_waits_alone() -> None:
+def test_a_message_that_is_larger_than_the_room_waits_alone():
     queue = LineQueue(most_bytes=1000)
     queue.add([LineMessage("a", bytes(10))])
     queue.add([LineMessage("b", bytes(5000))])
     assert [channel for channel, _ in _drain(queue)][-1:] == ["b"] or queue.dropped == 1
 
 
-def test_what_has_waited_for_too_long_is_dropped_and_counted() -> None:
+def test_what_has_waited_for_too_long_is_dropped_and_counted():
     queue = LineQueue()
     queue.add([LineMessage("cmd", b"old", due=time.monotonic()), LineMessage("map", b"state")])
     queue.add([LineMessage("cmd", b"new", due=time.monotonic() + 3600)])
@@ -58,14 +58,14 @@ def test_what_has_waited_for_too_long_is_dropped_and_counted() -> None:
     assert (kept, queue.dropped) == ([b"state", b"new"], 1)
 
 
-def test_what_is_dropped_at_the_end_is_counted() -> None:
+def test_what_is_dropped_at_the_end_is_counted():
     queue = LineQueue()
     queue.add([LineMessage("a", b""), LineMessage("b", b"")])
     queue.clear()
     assert (queue.dropped, queue.pop(0.0)) == (2, [])
 
 
-def test_what_was_taken_before_it_was_cleared_is_not_sent_any_more() -> None:
+def test_what_was_taken_before_it_was_cleared_is_not_sent_any_more():
     queue = LineQueue()
     due = time.monotonic() + LATE
     queue.add([LineMessage("cmd", b"go", due=due), LineMessage("map", b"state")])
@@ -76,7 +76,7 @@ def test_what_was_taken_before_it_was_cleared_is_not_sent_any_more() -> None:
     assert (kept, queue.dropped) == ([b"state", b"new"], 1)
 
 
-def test_each_message_has_one_echo() -> None:
+def test_each_message_has_one_echo():
     echo = EchoFilter()
     echo.sends("a", b"1")
     echo.sends("a", b"1")
@@ -90,7 +90,7 @@ def test_each_message_has_one_echo() -> None:
     assert not echo.is_echo("a", b"1")
 
 
-def test_an_echo_that_never_comes_is_forgotten() -> None:
+def test_an_echo_that_never_comes_is_forgotten():
     echo = EchoFilter()
     echo.sends("a", b"lost")
     for number in range(1001):

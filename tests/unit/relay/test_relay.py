@@ -1,9 +1,6 @@
 """A relay, without buses and threads."""
 
 from types import SimpleNamespace
-from typing import Any
-
-import pytest
 
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Node
@@ -20,10 +17,8 @@ from lcmtools.relay.rules import Rules
 from lcmtools.wire.packet import Packet
 
 
-def test_a_flood_of_probes_gets_few_answers_and_the_last_one_is_answered(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    end: Any = SimpleNamespace(ports=(), takes_origin=False, is_quick=True, trouble="", dropped=0)
+def test_a_flood_of_probes_gets_few_answers_and_the_last_one_is_answered(monkeypatch):
+    end = SimpleNamespace(ports=(), takes_origin=False, is_quick=True, trouble="", dropped=0)
     end.losses = end.close = dict
     monkeypatch.setattr(relay, "open_end", lambda _: end)
     urls = parse_url("udpm://239.255.76.67:1"), parse_url("udpm://239.255.76.67:2")
@@ -32,7 +27,7 @@ def test_a_flood_of_probes_gets_few_answers_and_the_last_one_is_answered(
     for number in range(100):
         payload = encode_announcement(Announcement(Node(f"/n{number}", str(number), "ada", 7)))
         tested._hear(0, Packet(NODE_CHANNEL, payload, 0))
-    told: list[str] = []
+    told = []
     monkeypatch.setattr(tested._sides[1], "talk", lambda channel, _: told.append(channel))
     for _ in range(200):
         tested._hear(1, Packet(PROBE_CHANNEL, encode_probe(Probe()), 0))

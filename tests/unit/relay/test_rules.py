@@ -8,15 +8,15 @@ from lcmtools.relay.rules import Direction, Reason, Route, Rules, check_rules
 TWIST, STRING = "geometry_msgs/Twist", "std_msgs/String"
 
 
-def _there(rules: Rules, channel: str, *types: str, obeyed: bool = False) -> Route:
+def _there(rules, channel, *types, obeyed=False):
     return Direction(rules, back=False).route(channel, types, obeyed=obeyed)
 
 
-def _back(rules: Rules, channel: str, *types: str) -> Route:
+def _back(rules, channel, *types):
     return Direction(rules, back=True).route(channel, types)
 
 
-def test_everything_passes_but_commands_and_clocks() -> None:
+def test_everything_passes_but_commands_and_clocks():
     rules = Rules()
     assert _there(rules, "/odom", "nav_msgs/Odometry") == Route("/odom")
     assert _there(rules, "POSE") == Route("POSE")
@@ -31,12 +31,12 @@ def test_everything_passes_but_commands_and_clocks() -> None:
 
 
 @pytest.mark.parametrize("allow", [["**"], ["/cmd_*"], ["/**", "POSE"]])
-def test_a_pattern_lets_no_command_pass(allow: list[str]) -> None:
+def test_a_pattern_lets_no_command_pass(allow):
     rules = Rules(allow)
     assert _there(rules, "/cmd_vel", TWIST).reason is Reason.COMMAND
 
 
-def test_a_command_passes_by_its_very_name() -> None:
+def test_a_command_passes_by_its_very_name():
     for name in ("/cmd_vel", "cmd_vel"):
         rules = Rules(["**", name])
         assert _there(rules, "/cmd_vel", TWIST, obeyed=True) == Route("/cmd_vel")
@@ -44,7 +44,7 @@ def test_a_command_passes_by_its_very_name() -> None:
     assert _there(Rules(["/clock"]), "/clock") == Route("/clock")
 
 
-def test_allow_leaves_out_the_others_and_deny_has_precedence() -> None:
+def test_allow_leaves_out_the_others_and_deny_has_precedence():
     rules = Rules(["/husky0/**", "MAP"], ["**/image"])
     assert _there(rules, "/husky0/odom") == Route("/husky0/odom")
     assert _there(rules, "/husky0/camera/image").reason is Reason.DENIED
@@ -54,7 +54,7 @@ def test_allow_leaves_out_the_others_and_deny_has_precedence() -> None:
     assert _there(named_too, "/cmd_vel").reason is Reason.DENIED
 
 
-def test_a_services_channels_are_matched_by_its_name() -> None:
+def test_a_services_channels_are_matched_by_its_name():
     rules = Rules(["/reset"])
     for ending in ("_request", "_reply"):
         assert _there(rules, f"/reset/{ending}") == Route(f"/reset/{ending}")
@@ -62,7 +62,7 @@ def test_a_services_channels_are_matched_by_its_name() -> None:
     assert _there(Rules(["/talker/**"]), "/talker/_parameters/_request").reason is None
 
 
-def test_a_prefix_is_put_on_there_and_taken_off_on_the_way_back() -> None:
+def test_a_prefix_is_put_on_there_and_taken_off_on_the_way_back():
     rules = Rules(["/odom", "POSE", "/cmd_vel"], prefix="robot7")
     assert _there(rules, "/odom") == Route("/robot7/odom")
     assert _there(rules, "POSE") == Route("robot7/POSE")
@@ -73,21 +73,21 @@ def test_a_prefix_is_put_on_there_and_taken_off_on_the_way_back() -> None:
     assert _there(Rules(prefix="robot7"), "/" + "a" * 60).reason is Reason.TOO_LONG
 
 
-def test_rates_and_newest_are_by_pattern_of_here() -> None:
+def test_rates_and_newest_are_by_pattern_of_here():
     rules = Rules(rates={"/camera/**": 5.0, "/camera/info": 2.0}, newest=["/camera/*"], prefix="r")
     assert _there(rules, "/camera/image") == Route("/r/camera/image", None, 0.2, newest=True)
     assert _there(rules, "/camera/info").period == 0.5
     assert _back(rules, "/r/camera/image") == Route("/camera/image", None, 0.2, newest=True)
 
 
-def test_one_way_lets_nothing_back() -> None:
+def test_one_way_lets_nothing_back():
     rules = Rules(one_way=True)
     assert _there(rules, "/odom") == Route("/odom")
     assert _back(rules, "/odom").reason is Reason.ONE_WAY
 
 
 @pytest.mark.parametrize("prefix", ["a b", "7", "a//b", "_a", "é"])
-def test_a_prefix_is_a_namespace(prefix: str) -> None:
+def test_a_prefix_is_a_namespace(prefix):
     with pytest.raises(UsageError):
         check_rules(Rules(prefix=prefix))
     check_rules(Rules(prefix="lab/robot7"))

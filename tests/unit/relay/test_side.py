@@ -2,7 +2,6 @@
 
 import time
 from types import SimpleNamespace
-from typing import Any
 
 from lcmtools.graph.model import Endpoint, Node, Role, Traffic
 from lcmtools.graph.protocol import MOST_OBSERVED, NODE_CHANNEL, Announcement, encode_announcement
@@ -13,18 +12,18 @@ from lcmtools.wire.packet import Packet, Sender
 _PLAIN, _NODE = Sender("10.0.0.1", 1), Sender("10.0.0.1", 2)
 
 
-def _side(prefix: str = "") -> Side:
-    end: Any = SimpleNamespace(takes_origin=False)
+def _side(prefix=""):
+    end = SimpleNamespace(takes_origin=False)
     return Side("1/0", "here", end, Direction(Rules(prefix=prefix), back=False))
 
 
-def _hear(side: Side, *packets: tuple[str, Sender | None], age: int = 1_000_000_000) -> None:
+def _hear(side, *packets, age=1_000_000_000):
     arrival = time.time_ns() - age
     heard = [Packet(channel, bytes(8), arrival, sender) for channel, sender in packets]
     side.sort(heard, _side(), passes=True)
 
 
-def test_the_other_bus_is_told_what_plain_programs_send_and_what_of_it_passes() -> None:
+def test_the_other_bus_is_told_what_plain_programs_send_and_what_of_it_passes():
     side = _side("robot7")
     node = Node("/driver", "id", "ada", 3)
     announced = Packet(NODE_CHANNEL, encode_announcement(Announcement(node)), time.time_ns(), _NODE)
@@ -35,7 +34,7 @@ def test_the_other_bus_is_told_what_plain_programs_send_and_what_of_it_passes() 
     assert (told.messages, told.bytes, told.fingerprints) == (2, 16, (0,))
 
 
-def test_programs_that_fell_silent_or_may_be_nodes_are_not_told_of() -> None:
+def test_programs_that_fell_silent_or_may_be_nodes_are_not_told_of():
     side = _side()
     _hear(side, ("/old", _PLAIN), age=20_000_000_000)
     _hear(side, ("/young", _PLAIN), age=0)
@@ -43,14 +42,14 @@ def test_programs_that_fell_silent_or_may_be_nodes_are_not_told_of() -> None:
     assert side.has_new_route  # so it looks again soon
 
 
-def test_a_server_that_tells_no_senders_is_told_of_by_channel() -> None:
+def test_a_server_that_tells_no_senders_is_told_of_by_channel():
     side = _side()
     _hear(side, ("/odom", None))
     (told,) = side.observed()
     assert (told.channel, told.sender) == ("/odom", None)
 
 
-def test_what_another_relay_tells_of_is_passed_with_it_and_not_repeated() -> None:
+def test_what_another_relay_tells_of_is_passed_with_it_and_not_repeated():
     side = _side()
     seen = Traffic("/odom", Sender("ada", 1), (), 1, 8, 1, 1, bus="far")
     relay = Announcement(Node("/relay", "id", "ada", 3, observed=(seen,)))
@@ -59,13 +58,13 @@ def test_what_another_relay_tells_of_is_passed_with_it_and_not_repeated() -> Non
     assert [told.channel for told in side.observed()] == ["/more"]
 
 
-def test_a_flood_of_channels_is_told_of_up_to_a_bound() -> None:
+def test_a_flood_of_channels_is_told_of_up_to_a_bound():
     side = _side()
     _hear(side, *((f"/{number}", _PLAIN) for number in range(300)))
     assert len(side.observed()) == MOST_OBSERVED
 
 
-def test_a_stranger_who_makes_senders_up_or_sends_images_fills_no_memory() -> None:
+def test_a_stranger_who_makes_senders_up_or_sends_images_fills_no_memory():
     side, other = _side(), _side()
     for port in range(1, 12_000):
         packet = Packet("/a", bytes(100), time.time_ns(), Sender("10.0.0.1", port))
@@ -76,7 +75,7 @@ def test_a_stranger_who_makes_senders_up_or_sends_images_fills_no_memory() -> No
     assert ("/b", image.sender) not in side._last
 
 
-def test_state_is_kept_however_many_channels_come() -> None:
+def test_state_is_kept_however_many_channels_come():
     side = _side()
     latched = Endpoint("/map", Role.PUBLISHER, latched=True)
     node = Announcement(Node("/driver", "id", "ada", 3, endpoints=(latched,)))
@@ -91,7 +90,7 @@ def test_state_is_kept_however_many_channels_come() -> None:
     assert len(side._routes) <= 10_000
 
 
-def test_what_was_held_up_before_it_came_is_dropped_unless_it_is_state() -> None:
+def test_what_was_held_up_before_it_came_is_dropped_unless_it_is_state():
     side, other = _side(), _side()
     latched = Endpoint("/map", Role.PUBLISHER, latched=True)
     node = Announcement(Node("/driver", "id", "ada", 3, endpoints=(latched,)))

@@ -10,14 +10,13 @@ from lcmtools.relay.topology import KnownRelays, carrying
 from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000
-Pair = tuple[int, int]
 
 
-def _links(pairs: tuple[Pair, ...]) -> list[Link]:
+def _links(pairs):
     """Relays that join these buses, each hearing all others on its buses."""
     at = [(relay, side, bus) for relay, pair in enumerate(pairs) for side, bus in enumerate(pair)]
 
-    def end(relay: int, side: int, bus: int) -> End:
+    def end(relay, side, bus):
         heard = [f"{r}/{s}" for r, s, b in at if b == bus and (r, s) != (relay, side)]
         return End(f"{relay}/{side}", heard=tuple(heard))
 
@@ -27,7 +26,7 @@ def _links(pairs: tuple[Pair, ...]) -> list[Link]:
     ]
 
 
-def _parts(pairs: list[Pair]) -> dict[int, int]:
+def _parts(pairs):
     """The connected part that each bus is in."""
     part = {bus: bus for bus in range(4)}
     for _ in pairs:
@@ -37,7 +36,7 @@ def _parts(pairs: list[Pair]) -> dict[int, int]:
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_carrying_relays_connect_all_that_relays_can_and_make_no_circle(count: int) -> None:
+def test_carrying_relays_connect_all_that_relays_can_and_make_no_circle(count):
     buses = list(product(range(4), repeat=2)) if count < 4 else list(combinations(range(4), 2))
     for pairs in product(buses, repeat=count):
         active = [pairs[int(relay)] for relay in carrying(_links(pairs))]
@@ -49,32 +48,32 @@ def test_carrying_relays_connect_all_that_relays_can_and_make_no_circle(count: i
         assert len(active) == 4 - len(set(chosen.values())), pairs  # a forest
 
 
-def test_the_oldest_of_parallel_relays_carries() -> None:
+def test_the_oldest_of_parallel_relays_carries():
     assert carrying(_links(((0, 1), (0, 1), (1, 0)))) == {"0"}
 
 
-def test_one_of_a_ring_stands_by() -> None:
+def test_one_of_a_ring_stands_by():
     assert carrying(_links(((0, 1), (1, 2), (2, 0)))) == {"0", "1"}
 
 
-def test_both_ends_on_one_bus_carry_nothing() -> None:
+def test_both_ends_on_one_bus_carry_nothing():
     assert carrying(_links(((0, 0),))) == set()
 
 
-def test_it_is_enough_that_one_of_two_hears_the_other() -> None:
+def test_it_is_enough_that_one_of_two_hears_the_other():
     one, other = _links(((0, 1), (0, 1)))
-    deaf = replace(one, ends=tuple(replace(end, heard=()) for end in one.ends))  # type: ignore[arg-type]
+    deaf = replace(one, ends=tuple(replace(end, heard=()) for end in one.ends))
     assert carrying([deaf, other]) == {"0"}
 
 
-def test_a_relay_with_a_bus_that_is_down_or_that_left_makes_way() -> None:
+def test_a_relay_with_a_bus_that_is_down_or_that_left_makes_way():
     one, other = _links(((0, 1), (0, 1)))
     down = replace(one, ends=(one.ends[0], replace(one.ends[1], is_up=False)))
     assert carrying([down, other]) == {"1"}
     assert carrying([replace(one, state=State.LEFT), other]) == {"1"}
 
 
-def test_a_report_comes_back_as_it_was() -> None:
+def test_a_report_comes_back_as_it_was():
     end = End("a/0", "udpm://", ("b/1",), (7, 8), is_up=False, trouble="down", lost=5)
     link = Link("a", "/r", "host", (end, End("a/1")), State.ACTIVE, 9)
     report = Knowledge("a/0", (link,))
@@ -82,15 +81,15 @@ def test_a_report_comes_back_as_it_was() -> None:
     assert decode_report(b"nothing") is None
 
 
-def _known(pairs: tuple[Pair, ...], own: int) -> KnownRelays:
+def _known(pairs, own):
     bare = [
-        replace(one, ends=tuple(replace(end, heard=()) for end in one.ends))  # type: ignore[arg-type]
+        replace(one, ends=tuple(replace(end, heard=()) for end in one.ends))
         for one in _links(pairs)
     ]
     return KnownRelays(bare[own])
 
 
-def test_relays_learn_of_each_other_by_reports_over_several_buses() -> None:
+def test_relays_learn_of_each_other_by_reports_over_several_buses():
     pairs = ((0, 1), (1, 2), (2, 3), (3, 0))
     known = [_known(pairs, own) for own in range(4)]
     for _ in range(4):  # rounds of reports
@@ -103,7 +102,7 @@ def test_relays_learn_of_each_other_by_reports_over_several_buses() -> None:
     assert {one.carrying() for one in known} == {frozenset({"0", "1", "2"})}
 
 
-def test_a_silent_relay_is_forgotten_and_one_that_left_at_once() -> None:
+def test_a_silent_relay_is_forgotten_and_one_that_left_at_once():
     other = _links(((0, 1), (0, 1)))[0]
     known = _known(((0, 1), (0, 1)), 1)
     report = Knowledge("0/0", (replace(other, number=1),))
@@ -122,7 +121,7 @@ def test_a_silent_relay_is_forgotten_and_one_that_left_at_once() -> None:
     assert known.carrying() == {"1"}
 
 
-def test_relays_do_not_keep_a_dead_one_alive_by_telling_each_other_of_it() -> None:
+def test_relays_do_not_keep_a_dead_one_alive_by_telling_each_other_of_it():
     pairs = ((0, 1), (0, 1), (0, 1))
     dead = replace(_links(pairs)[0], number=7)
     one, other = _known(pairs, 1), _known(pairs, 2)
@@ -139,12 +138,12 @@ def test_relays_do_not_keep_a_dead_one_alive_by_telling_each_other_of_it() -> No
     assert one.add_report(Knowledge("0/0", (back,)), "1/0", 10 * SECOND)
 
 
-def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
+def test_the_senders_of_a_relay_that_stands_by_are_known():
     pairs = ((0, 1), (0, 1))
     younger = _links(pairs)[1]
     ports = tuple(replace(end, ports=(5, 6)) for end in younger.ends)
     known = _known(pairs, 0)
-    report = Knowledge("1/0", (replace(younger, ends=ports, number=1),))  # type: ignore[arg-type]
+    report = Knowledge("1/0", (replace(younger, ends=ports, number=1),))
     known.add_report(report, "0/0", 0, "10.0.0.2")
     assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", 5), Sender("10.0.0.2", 6)}
     assert known.idle("0/1", {"0"}) == frozenset()  # not heard there
@@ -152,12 +151,12 @@ def test_the_senders_of_a_relay_that_stands_by_are_known() -> None:
 
 
 @pytest.mark.parametrize("ports", [(), (5,)])
-def test_an_end_that_is_heard_on_both_buses_may_fall_silent(ports: tuple[int, ...]) -> None:
+def test_an_end_that_is_heard_on_both_buses_may_fall_silent(ports):
     pairs = ((0, 1), (0, 1))
     younger = _links(pairs)[1]
     ends = tuple(replace(end, ports=ports) for end in younger.ends)
     known = _known(pairs, 0)
-    report = Knowledge("1/0", (replace(younger, ends=ends, number=1),))  # type: ignore[arg-type]
+    report = Knowledge("1/0", (replace(younger, ends=ends, number=1),))
     known.add_report(report, "0/0", 0, "10.0.0.2")
     known.add_report(report, "0/1", SECOND, "10.0.0.3")  # by a forwarder, or a stranger
     assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", port) for port in ports}

@@ -1,6 +1,5 @@
 """The user's settings file: read strictly, each mistake with its line; and which source counts."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,17 +17,15 @@ from lcmtools.settings import (
     usual_namespace,
 )
 
-Write = Callable[[str], dict[str, str]]
-
 _KNOWN = "there are lcm_url, domain, namespace, color, timeout"
 _LEGAL = "names are made of letters, digits, '_' and '/', and start with a letter, '/' or '~'"
 
 
 @pytest.fixture
-def write(tmp_path: Path) -> Write:
+def write(tmp_path):
     """Writes the user's file; gives an environment that leads to it."""
 
-    def do(text: str) -> dict[str, str]:
+    def do(text):
         path = tmp_path / "lcmtools" / "config.yaml"
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
@@ -37,14 +34,14 @@ def write(tmp_path: Path) -> Write:
     return do
 
 
-def test_the_file_is_where_xdg_says() -> None:
+def test_the_file_is_where_xdg_says():
     assert str(user_path({"XDG_CONFIG_HOME": "/c", "HOME": "/h"})) == "/c/lcmtools/config.yaml"
     assert str(user_path({"HOME": "/h"})) == "/h/.config/lcmtools/config.yaml"
     assert str(user_path({"XDG_CONFIG_HOME": "relative", "HOME": "/h"})).startswith("/h/")
     assert user_path({}) is None
 
 
-def test_without_a_file_nothing_is_said(tmp_path: Path) -> None:
+def test_without_a_file_nothing_is_said(tmp_path):
     assert read_user_file({}) == NO_FILE
     assert read_user_file({"HOME": str(tmp_path)}).values == {}
     (tmp_path / ".config").touch()  # a file where a folder is looked for
@@ -52,11 +49,11 @@ def test_without_a_file_nothing_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "# nothing yet\n", "---\n", "{}\n", "domain:\n"])
-def test_a_file_that_says_nothing_is_no_mistake(text: str, write: Write) -> None:
+def test_a_file_that_says_nothing_is_no_mistake(text, write):
     assert read_user_file(write(text)).values == {}
 
 
-def test_values_are_the_text_as_written_with_their_lines(write: Write) -> None:
+def test_values_are_the_text_as_written_with_their_lines(write):
     file = read_user_file(write("# mine\ndomain: 007\n\nnamespace: on\n"))
     assert file.values == {"domain": "007", "namespace": "on"}
     assert file.lines == {"domain": 2, "namespace": 4}
@@ -90,14 +87,14 @@ def test_values_are_the_text_as_written_with_their_lines(write: Write) -> None:
         ),
     ],
 )
-def test_a_mistake_is_named_with_its_line(text: str, complaint: str, write: Write) -> None:
+def test_a_mistake_is_named_with_its_line(text, complaint, write):
     environment = write(text)
     with pytest.raises(InvalidFile) as caught:
         read_user_file(environment)
     assert str(caught.value) == f"{user_path(environment)}{complaint}"
 
 
-def test_what_is_no_text_is_refused(write: Write) -> None:
+def test_what_is_no_text_is_refused(write):
     environment = write("")
     path = user_path(environment)
     assert path is not None
@@ -111,12 +108,10 @@ def test_what_is_no_text_is_refused(write: Write) -> None:
 
 
 @pytest.mark.parametrize("error", [PermissionError(13, "Permission denied"), OSError(40, "a loop")])
-def test_a_home_that_cannot_be_read_is_named_and_has_no_settings(
-    error: OSError, write: Write, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_home_that_cannot_be_read_is_named_and_has_no_settings(error, write, monkeypatch):
     environment = write("domain: 3\n")
 
-    def refuse(*_: object, **__: object) -> None:
+    def refuse(*_, **__):
         raise error
 
     monkeypatch.setattr(Path, "stat", refuse)
@@ -127,12 +122,12 @@ def test_a_home_that_cannot_be_read_is_named_and_has_no_settings(
     assert found.problem == f"cannot look into {path.parent}: {error.strerror}"
 
 
-def test_a_change_of_the_file_is_seen(write: Write) -> None:
+def test_a_change_of_the_file_is_seen(write):
     assert read_user_file(write("domain: 3\n")).values == {"domain": "3"}
     assert read_user_file(write("domain: 14\n")).values == {"domain": "14"}
 
 
-def test_flag_wins_over_variable_over_file_over_default(write: Write) -> None:
+def test_flag_wins_over_variable_over_file_over_default(write):
     environment = write("domain: 3\n")
     file = read_user_file(environment)
     assert lookup("domain", None, {}, NO_FILE).source == "default"
@@ -144,7 +139,7 @@ def test_flag_wins_over_variable_over_file_over_default(write: Write) -> None:
 
 
 @pytest.mark.parametrize("name", SETTINGS)
-def test_every_setting_has_its_rank_in_all_three_places(name: str) -> None:
+def test_every_setting_has_its_rank_in_all_three_places(name):
     setting = SETTINGS[name]
     file = UserFile(Path("/f"), {name: "c"}, {name: 1})
     assert lookup(name, "a", {setting.variable: "b"}, file).value == "a"
@@ -153,13 +148,13 @@ def test_every_setting_has_its_rank_in_all_three_places(name: str) -> None:
     assert lookup(name, None, {}, NO_FILE).value == setting.default
 
 
-def test_the_namespace_of_the_file_is_usual(write: Write) -> None:
+def test_the_namespace_of_the_file_is_usual(write):
     environment = write("namespace: /husky0\n")
     assert usual_namespace(environment) == "/husky0"
     assert usual_namespace(environment | {"LCMTOOLS_NAMESPACE": "/other"}) == "/other"
 
 
-def test_the_bus_of_the_file_comes_after_all_else() -> None:
+def test_the_bus_of_the_file_comes_after_all_else():
     url = "udpm://239.255.76.67:7777?ttl=0"
     both = UserFile(Path("/f"), {"lcm_url": url, "domain": "3"}, {"lcm_url": 1, "domain": 2})
     domain = UserFile(Path("/f"), {"domain": "3"}, {"domain": 2})
@@ -173,7 +168,7 @@ def test_the_bus_of_the_file_comes_after_all_else() -> None:
     assert choose_url(None, "5", {"LCM_DEFAULT_URL": url}, both)[1] == "--domain"
 
 
-def test_a_wrong_bus_in_the_file_is_named_with_its_line() -> None:
+def test_a_wrong_bus_in_the_file_is_named_with_its_line():
     file = UserFile(Path("/f"), {"domain": "x"}, {"domain": 2})
     with pytest.raises(UsageError, match=r"^/f:2 'x' is not a domain"):
         choose_url(None, None, {}, file)
@@ -192,11 +187,11 @@ def test_a_wrong_bus_in_the_file_is_named_with_its_line() -> None:
         ("0", 0.0),
     ],
 )
-def test_durations_are_read_with_their_units(text: str, seconds: float) -> None:
+def test_durations_are_read_with_their_units(text, seconds):
     assert parse_duration(text) == seconds
 
 
 @pytest.mark.parametrize("text", ["", "s", "-1", "1d", "1 s", "1S", "inf", "nan", "1e3", "٣"])
-def test_other_durations_are_refused(text: str) -> None:
+def test_other_durations_are_refused(text):
     with pytest.raises(UsageError, match="is not a duration; write 500ms, 2s or 1m"):
         parse_duration(text)

@@ -29,7 +29,7 @@ class FakePublisher:
     topic: str
     sent: list[bytes] = field(default_factory=list)
 
-    def publish_payload(self, payload: bytes) -> None:
+    def publish_payload(self, payload):
         """Keep it."""
         self.sent.append(payload)
 
@@ -46,60 +46,53 @@ class FakeSubscription:
 class FakeNode:
     """The part of Node that the bridge uses; it is its own logger."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.context = SimpleNamespace(bus=FakeBus())
-        self.publishers: dict[str, FakePublisher] = {}
-        self.subscriptions: dict[str, FakeSubscription] = {}
-        self.warnings: list[str] = []
-        self.repeated: list[str] = []
-        self.publishing: tuple[str, ...] = ()
-        self.heard: frozenset[str] = frozenset()
+        self.publishers = {}
+        self.subscriptions = {}
+        self.warnings = []
+        self.repeated = []
+        self.publishing = ()
+        self.heard = frozenset()
         self.overheard = False
         self.overheard_of_late = False
 
-    def create_publisher(self, _: type[Message], topic: str) -> FakePublisher:
+    def create_publisher(self, _, topic):
         """Keep its topic."""
         return self.publishers.setdefault(topic, FakePublisher(topic))
 
-    def create_subscription(
-        self,
-        types: tuple[type[Message], ...],
-        topic: str,
-        callback: Callable[[Message], None],
-        *,
-        group: str,
-    ) -> FakeSubscription:
+    def create_subscription(self, types, topic, callback, *, group):
         """Keep everything."""
         self.subscriptions[topic] = FakeSubscription(types, callback, group)
         return self.subscriptions[topic]
 
-    def resolve_name(self, name: str) -> str:
+    def resolve_name(self, name):
         """No remaps here."""
         return name
 
-    def get_logger(self) -> "FakeNode":
+    def get_logger(self):
         """Itself."""
         return self
 
-    def warning(self, text: str) -> None:
+    def warning(self, text):
         """Keep it."""
         self.warnings.append(text)
 
-    def repeat(self, text: str) -> None:
+    def repeat(self, text):
         """Keep it."""
         self.repeated.append(text)
 
-    def graph(self) -> Graph:
+    def graph(self):
         """One topic's publishers, by their names."""
         wheels = Endpoint("/husky0/wheel_cmd", Role.PUBLISHER)
         nodes = (GraphNode(name, name, "here", 1, endpoints=(wheels,)) for name in self.publishing)
         return Graph(tuple(nodes))
 
-    def subscribed_topics(self) -> frozenset[str]:
+    def subscribed_topics(self):
         """The test's value."""
         return self.heard
 
-    def has_plain_listeners(self, *, at_once: bool = False) -> bool:
+    def has_plain_listeners(self, *, at_once=False):
         """The test's value."""
         return self.overheard or (at_once and self.overheard_of_late)
 
@@ -107,12 +100,12 @@ class FakeNode:
 class FakeRobot:
     """Understands commands as a Husky does, and does not move."""
 
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace):
         self.namespace = namespace
         self.model = HUSKY
-        self.targets: tuple[float, float] = (0.0, 0.0)
+        self.targets = (0.0, 0.0)
 
-    def command(self, message: JointState | Twist) -> None:
+    def command(self, message):
         """Keep what it asks for."""
         self.targets = interpret(message, HUSKY)
 
@@ -120,64 +113,64 @@ class FakeRobot:
 class FakeSimulation:
     """Two robots and a clock."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.robots = [FakeRobot("/husky0"), FakeRobot("/")]
         self.time = 0
-        self.complaints: list[str] = []
+        self.complaints = []
 
     @property
-    def publishes_clock(self) -> bool:
+    def publishes_clock(self):
         """The value that was set."""
         return self.interest("/clock") is not Subscribers.NONE
 
-    def tick(self) -> Sample:
+    def tick(self):
         """The clock."""
         clock = Clock()
         clock.clock.nsec = self.time
         return Sample("/clock", Clock, encode(clock))
 
-    def topics(self) -> dict[str, type[Message]]:
+    def topics(self):
         """One topic."""
         return {"/clock": Clock}
 
-    def select(self, interest: Callable[[str], Subscribers]) -> None:
+    def select(self, interest):
         """Keep it."""
         self.interest = interest
 
-    def warnings(self) -> list[str]:
+    def warnings(self):
         """The test's value."""
         return self.complaints
 
 
 @pytest.fixture(autouse=True)
-def _nothing_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+def _nothing_comes(monkeypatch):
     """The node is no real one, that could spin."""
     monkeypatch.setattr("lcmtools_sim.bridge.spin_once", lambda *_: None)
 
 
 @pytest.fixture
-def node() -> FakeNode:
+def node():
     return FakeNode()
 
 
 @pytest.fixture
-def simulation() -> FakeSimulation:
+def simulation():
     return FakeSimulation()
 
 
 @pytest.fixture
-def bridge(node: FakeNode, simulation: FakeSimulation) -> Bridge:
-    return Bridge(node, simulation)  # type: ignore[arg-type] # fakes
+def bridge(node, simulation):
+    return Bridge(node, simulation)
 
 
-def efforts(*effort: float) -> JointState:
+def efforts(*effort):
     message = JointState()
     message.effort = effort
     return message
 
 
 @pytest.mark.usefixtures("bridge")
-def test_a_robots_four_command_topics_are_one_group_that_takes_both_types(node: FakeNode) -> None:
+def test_a_robots_four_command_topics_are_one_group_that_takes_both_types(node):
     declared = {topic: subscription.types for topic, subscription in node.subscriptions.items()}
 
     assert list(declared.items())[:4] == [
@@ -192,9 +185,7 @@ def test_a_robots_four_command_topics_are_one_group_that_takes_both_types(node: 
 
 
 @pytest.mark.usefixtures("bridge")
-def test_every_command_topic_steers_its_own_robot(
-    node: FakeNode, simulation: FakeSimulation
-) -> None:
+def test_every_command_topic_steers_its_own_robot(node, simulation):
     for share, (topic, subscription) in enumerate(node.subscriptions.items(), 1):
         subscription.callback(efforts(share / 10, 0))
         robot = simulation.robots[0 if topic.startswith("/husky0/") else 1]
@@ -203,9 +194,7 @@ def test_every_command_topic_steers_its_own_robot(
     assert simulation.robots[0].targets == (0.4, 0)
 
 
-def test_after_a_reset_the_same_subscriptions_steer_the_new_robots(
-    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
-) -> None:
+def test_after_a_reset_the_same_subscriptions_steer_the_new_robots(node, simulation, bridge):
     before = list(node.subscriptions.values())
     simulation.robots = [FakeRobot("/husky0"), FakeRobot("/")]
 
@@ -217,9 +206,7 @@ def test_after_a_reset_the_same_subscriptions_steer_the_new_robots(
 
 
 @pytest.mark.usefixtures("bridge")
-def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
-    node: FakeNode, simulation: FakeSimulation
-) -> None:
+def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(node, simulation):
     command = node.subscriptions["/husky0/wheel_cmd"].callback
     command(efforts(0.5, 0.5))
 
@@ -236,8 +223,8 @@ def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(
 
 @pytest.mark.usefixtures("bridge")
 def test_a_command_beyond_the_limits_is_warned_of_once_for_each_sender(
-    node: FakeNode, simulation: FakeSimulation, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    node, simulation, monkeypatch
+):
     now = [100.0]
     monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: now[0])
     command = node.subscriptions["/husky0/wheel_cmd"].callback
@@ -255,9 +242,7 @@ def test_a_command_beyond_the_limits_is_warned_of_once_for_each_sender(
 
 
 @pytest.mark.usefixtures("bridge")
-def test_what_is_wrong_with_commands_is_repeated_for_those_who_look_later(
-    node: FakeNode, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_wrong_with_commands_is_repeated_for_those_who_look_later(node, monkeypatch):
     now = [100.0]
     monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: now[0])
     node.publishing = ("/student",)
@@ -274,7 +259,7 @@ def test_what_is_wrong_with_commands_is_repeated_for_those_who_look_later(
     assert node.repeated == [warning] * 3
 
 
-def test_samples_go_out_on_their_topics(bridge: Bridge, node: FakeNode) -> None:
+def test_samples_go_out_on_their_topics(bridge, node):
     payload = encode(Clock())
 
     bridge.publish([Sample("/clock", Clock, payload)])
@@ -282,7 +267,7 @@ def test_samples_go_out_on_their_topics(bridge: Bridge, node: FakeNode) -> None:
     assert node.publishers["/clock"].sent == [payload]
 
 
-def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
+def test_the_fake_robot_refuses_as_the_real_one_does():
     with pytest.raises(ValueMismatch):
         FakeRobot("/a").command(efforts())
 
@@ -297,12 +282,8 @@ def test_the_fake_robot_refuses_as_the_real_one_does() -> None:
     ],
 )
 def test_the_simulation_gets_the_state_of_subscribers(
-    node: FakeNode,
-    simulation: FakeSimulation,
-    bridge: Bridge,
-    listening: tuple[set[str], bool],
-    interest: Subscribers,
-) -> None:
+    node, simulation, bridge, listening, interest
+):
     node.heard, node.overheard = frozenset(listening[0]), listening[1]
 
     bridge.receive()
@@ -310,21 +291,17 @@ def test_the_simulation_gets_the_state_of_subscribers(
     assert simulation.interest("/clock") is interest
 
 
-def test_the_nodes_are_asked_before_the_first_look(
-    node: FakeNode, simulation: FakeSimulation, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_nodes_are_asked_before_the_first_look(node, simulation, monkeypatch):
     answers = iter([frozenset(), frozenset({"/clock"})])
     monkeypatch.setattr(node, "subscribed_topics", lambda: next(answers))
-    bridge = Bridge(node, simulation)  # type: ignore[arg-type] # fakes
+    bridge = Bridge(node, simulation)
 
     bridge.receive()
 
     assert simulation.interest("/clock") is Subscribers.KNOWN
 
 
-def test_finding_subscribers_at_once_counts_those_that_have_just_started(
-    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
-) -> None:
+def test_finding_subscribers_at_once_counts_those_that_have_just_started(node, simulation, bridge):
     bridge.receive()
     node.overheard_of_late = True
 
@@ -334,11 +311,8 @@ def test_finding_subscribers_at_once_counts_those_that_have_just_started(
 
 
 def test_a_clock_without_subscribers_is_published_now_and_then_while_time_passes(
-    node: FakeNode,
-    simulation: FakeSimulation,
-    bridge: Bridge,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    node, simulation, bridge, monkeypatch
+):
     walls = iter([10.0, 10.05, 10.11, 10.22, 10.33])
     monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: next(walls))
     for simulated in (1, 2, 3, 3, 4):  # paused once
@@ -349,9 +323,7 @@ def test_a_clock_without_subscribers_is_published_now_and_then_while_time_passes
     assert sent == [1, 3, 4]
 
 
-def test_the_engines_warnings_are_logged(
-    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
-) -> None:
+def test_the_engines_warnings_are_logged(node, simulation, bridge):
     simulation.complaints = ["unstable"]
 
     bridge.receive()
@@ -359,9 +331,7 @@ def test_the_engines_warnings_are_logged(
     assert node.warnings == ["unstable"]
 
 
-def test_a_clock_with_subscribers_comes_with_the_steps_alone(
-    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
-) -> None:
+def test_a_clock_with_subscribers_comes_with_the_steps_alone(node, simulation, bridge):
     node.heard = frozenset({"/clock"})
     simulation.time = 1
 
@@ -370,9 +340,7 @@ def test_a_clock_with_subscribers_comes_with_the_steps_alone(
     assert node.publishers["/clock"].sent == []
 
 
-def test_the_clock_is_published_once_for_each_time(
-    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
-) -> None:
+def test_the_clock_is_published_once_for_each_time(node, simulation, bridge):
     simulation.time = 1
     bridge.publish([simulation.tick()])
     bridge.publish_clock()
@@ -384,9 +352,7 @@ def test_the_clock_is_published_once_for_each_time(
     assert sent == [1, 2]
 
 
-def test_the_clock_shows_a_reset_at_once(
-    node: FakeNode, simulation: FakeSimulation, bridge: Bridge
-) -> None:
+def test_the_clock_shows_a_reset_at_once(node, simulation, bridge):
     simulation.time = 7
     bridge.publish([simulation.tick()])
     simulation.time = 0

@@ -1,7 +1,6 @@
 """JointState and Twist as commands of a Husky, and those that are refused."""
 
 import math
-from collections.abc import Sequence
 
 import pytest
 
@@ -21,15 +20,13 @@ KNOWN = (
 )
 
 
-def joints(
-    name: Sequence[str] = (), effort: Sequence[float] = (), velocity: Sequence[float] = ()
-) -> JointState:
+def joints(name=(), effort=(), velocity=()):
     message = JointState()
     message.name, message.effort, message.velocity = list(name), effort, velocity
     return message
 
 
-def twist(forward: float, turn_rate: float) -> Twist:
+def twist(forward, turn_rate):
     message = Twist()
     message.linear.x, message.angular.z = forward, turn_rate
     return message
@@ -51,9 +48,7 @@ def twist(forward: float, turn_rate: float) -> Twist:
         (twist(0.5, 0.3), 0.5 - 0.1605375, 0.5 + 0.1605375),
     ],
 )
-def test_a_command_asks_for_side_speeds(
-    message: JointState | Twist, left: float, right: float
-) -> None:
+def test_a_command_asks_for_side_speeds(message, left, right):
     assert interpret(message, HUSKY) == pytest.approx((left, right), abs=1e-12)
 
 
@@ -69,15 +64,13 @@ def test_a_command_asks_for_side_speeds(
         ((1e300, 1e300), (1, 1)),
     ],
 )
-def test_a_twist_above_the_limits_keeps_its_circle(
-    asked: tuple[float, float], obeyed: tuple[float, float]
-) -> None:
+def test_a_twist_above_the_limits_keeps_its_circle(asked, obeyed):
     speeds = interpret(twist(*asked), HUSKY)
 
     assert body_velocity(*speeds, HUSKY.drive.track) == pytest.approx(obeyed)
 
 
-def test_wheel_speeds_above_the_limits_keep_their_circle() -> None:
+def test_wheel_speeds_above_the_limits_keep_their_circle():
     speeds = interpret(joints(velocity=[60, 30]), HUSKY)
 
     forward, turn_rate = body_velocity(*speeds, HUSKY.drive.track)
@@ -110,9 +103,7 @@ def test_wheel_speeds_above_the_limits_keep_their_circle() -> None:
         (String(), "a String is not a command; send a JointState or a Twist"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_with_the_reason(
-    message: JointState | Twist, reason: str
-) -> None:
+def test_what_cannot_be_meant_is_refused_with_the_reason(message, reason):
     with pytest.raises(ValueMismatch) as caught:
         interpret(message, HUSKY)
 
@@ -137,5 +128,5 @@ def test_what_cannot_be_meant_is_refused_with_the_reason(
         (twist(0.5, 2.5), "angular.z is 2.5 rad/s, the limit 2 rad/s"),
     ],
 )
-def test_what_is_beyond_the_limits_is_named(message: JointState | Twist, reason: str) -> None:
+def test_what_is_beyond_the_limits_is_named(message, reason):
     assert out_of_range(message, HUSKY) == reason

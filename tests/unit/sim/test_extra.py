@@ -15,7 +15,7 @@ PROJECT = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text
 SIM = [Requirement(line) for line in PROJECT["optional-dependencies"]["sim"]]
 
 
-def engine_with_a_wheel(python: str, system: str, machine: str) -> str:
+def engine_with_a_wheel(python, system, machine):
     """The package that has a wheel there, by what `pip download --platform` finds."""
     is_on_intel = machine == "x86_64"
     if system == "linux" and is_on_intel and python in {"3.10", "3.11"}:
@@ -29,9 +29,7 @@ def engine_with_a_wheel(python: str, system: str, machine: str) -> str:
     ("system", "machine"),
     [("linux", "x86_64"), ("linux", "aarch64"), ("darwin", "arm64"), ("darwin", "x86_64")],
 )
-def test_each_python_and_system_gets_one_engine_that_has_a_wheel(
-    python: str, system: str, machine: str
-) -> None:
+def test_each_python_and_system_gets_one_engine_that_has_a_wheel(python, system, machine):
     environment = {
         "python_version": python,
         "sys_platform": system,

@@ -2,7 +2,6 @@
 
 import os
 import socket
-from collections.abc import Callable
 from types import SimpleNamespace
 
 import pytest
@@ -15,20 +14,20 @@ NOBODY = 1 << 22
 """No process has this number."""
 
 
-def runs_as(pid: int) -> Node:
+def runs_as(pid):
     return Node("/other", id=str(pid), host=socket.gethostname(), pid=pid)
 
 
 class Leading:
     """A leader one step ahead of a follower, which has been silent for long."""
 
-    def __init__(self, nodes: tuple[Node, ...], monkeypatch: pytest.MonkeyPatch) -> None:
-        heard: list[Callable[[Header], None]] = []
+    def __init__(self, nodes, monkeypatch):
+        heard = []
         node = SimpleNamespace(
             create_subscription=lambda _kind, _topic, callback: heard.append(callback),
             graph=lambda: Graph(nodes),
         )
-        self.warnings: list[str] = []
+        self.warnings = []
         bridge = SimpleNamespace(
             publish_clock=lambda: None, publish=lambda _: None, warn=self.warnings.append
         )
@@ -36,24 +35,22 @@ class Leading:
         self.now = 0.0
         monkeypatch.setattr(follow, "time", SimpleNamespace(monotonic=lambda: self.now))
         monkeypatch.setattr(follow, "spin_once", self.spin)
-        self.followers = follow.Followers(node, simulation, bridge)  # type: ignore[arg-type]
+        self.followers = follow.Followers(node, simulation, bridge)
         message = Header()
         message.frame_id = "/other"
         heard[0](message)
 
-    def spin(self, _node: object, timeout: float) -> None:
+    def spin(self, _node, timeout):
         """Let time pass."""
         self.now += timeout
 
-    def wait(self) -> None:
+    def wait(self):
         """Wait for the follower, for five seconds at most."""
         self.followers.wait(lambda: self.now < 5.0)
 
 
 @pytest.mark.parametrize("nodes", [(), (runs_as(NOBODY),)])
-def test_a_follower_without_a_process_is_waited_for_no_longer(
-    nodes: tuple[Node, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_follower_without_a_process_is_waited_for_no_longer(nodes, monkeypatch):
     leading = Leading(nodes, monkeypatch)
 
     leading.wait()
@@ -62,9 +59,7 @@ def test_a_follower_without_a_process_is_waited_for_no_longer(
     assert leading.now < 2.0
 
 
-def test_one_that_runs_is_waited_for_also_if_one_of_its_name_has_ended(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_one_that_runs_is_waited_for_also_if_one_of_its_name_has_ended(monkeypatch):
     leading = Leading((runs_as(NOBODY), runs_as(os.getpid())), monkeypatch)
 
     leading.wait()

@@ -1,22 +1,19 @@
 """The loop's order of things, and when it ends."""
 
-from collections.abc import Callable
-
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.schedule import Pacer
-from lcmtools_sim.simulation import Sample
 
 
 class Steps:
     """A simulation that only counts."""
 
-    def __init__(self, log: list[str]) -> None:
+    def __init__(self, log):
         self.steps = 0
         self.log = log
         self.scene = Scene("counted")
 
-    def step(self) -> list[Sample]:
+    def step(self):
         """Count."""
         self.steps += 1
         self.log.append("step")
@@ -26,36 +23,36 @@ class Steps:
 class Log:
     """A context that records its calls."""
 
-    def __init__(self) -> None:
-        self.lines: list[str] = []
+    def __init__(self):
+        self.lines = []
 
-    def receive(self, timeout: float = 0.0) -> None:
+    def receive(self, timeout=0.0):
         """Write it down; nothing is waited for."""
         del timeout
         self.lines.append("receive")
 
-    def find_subscribers(self) -> None:
+    def find_subscribers(self):
         """Write it down."""
         self.lines.append("look")
 
-    def publish(self, samples: list[Sample]) -> None:
+    def publish(self, samples):
         """Write it down."""
         self.lines.append(f"publish {len(samples)}")
 
-    def publish_clock(self) -> None:
+    def publish_clock(self):
         """Write it down."""
         self.lines.append("clock")
 
-    def warn(self, text: str) -> None:
+    def warn(self, text):
         """Write it down."""
         self.lines.append(f"warn: {text}")
 
 
-def no_wait() -> Pacer:
+def no_wait():
     return Pacer(0.0)
 
 
-def test_commands_come_before_the_step_and_messages_after_it() -> None:
+def test_commands_come_before_the_step_and_messages_after_it():
     log = Log()
 
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True, last_step=2).run()
@@ -63,7 +60,7 @@ def test_commands_come_before_the_step_and_messages_after_it() -> None:
     assert log.lines == [*["receive", "step", "publish 0"] * 2, "receive"]
 
 
-def test_it_ends_when_it_is_asked_to() -> None:
+def test_it_ends_when_it_is_asked_to():
     log = Log()
     simulation = Steps(log.lines)
 
@@ -72,7 +69,7 @@ def test_it_ends_when_it_is_asked_to() -> None:
     assert simulation.steps == 7
 
 
-def test_a_slow_computer_is_warned_of_once() -> None:
+def test_a_slow_computer_is_warned_of_once():
     log = Log()
     wall = iter(range(100))  # every look at the clock is a second later
 
@@ -87,18 +84,18 @@ def test_a_slow_computer_is_warned_of_once() -> None:
 class Caller(Log):
     """Surroundings from which a call comes while the next step is far away."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         super().__init__()
-        self.calls: list[Callable[[], None]] = []
+        self.calls = []
 
-    def receive(self, timeout: float = 0.0) -> None:
+    def receive(self, timeout=0.0):
         """Hand over the next call."""
         super().receive(timeout)
         if self.calls:
             self.calls.pop(0)()
 
 
-def test_calls_are_answered_while_a_slow_rate_waits_for_its_next_step() -> None:
+def test_calls_are_answered_while_a_slow_rate_waits_for_its_next_step():
     # A millionth of real time: 10 000 s to the next step.
     surroundings, slept = Caller(), []
     pacer = Pacer(1e4, now=lambda: sum(slept), sleep=slept.append)
@@ -112,7 +109,7 @@ def test_calls_are_answered_while_a_slow_rate_waits_for_its_next_step() -> None:
     assert sum(slept) < 1.0
 
 
-def test_a_pause_ends_the_wait_for_a_slow_step() -> None:
+def test_a_pause_ends_the_wait_for_a_slow_step():
     surroundings, slept = Caller(), []
     pacer = Pacer(1e4, now=lambda: sum(slept), sleep=slept.append)
     simulation = Steps(surroundings.lines)
@@ -125,7 +122,7 @@ def test_a_pause_ends_the_wait_for_a_slow_step() -> None:
     assert sum(slept) < 1.0
 
 
-def test_it_finds_subscribers_before_requested_steps_and_publishes_the_clock_after_them() -> None:
+def test_it_finds_subscribers_before_requested_steps_and_publishes_the_clock_after_them():
     log = Log()
 
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True).step(2)
@@ -133,10 +130,10 @@ def test_it_finds_subscribers_before_requested_steps_and_publishes_the_clock_aft
     assert log.lines == ["look", *["step", "publish 0"] * 2, "clock"]
 
 
-def test_each_step_is_let_and_a_long_wait_for_that_is_no_debt() -> None:
+def test_each_step_is_let_and_a_long_wait_for_that_is_no_debt():
     log, wall = Log(), [0.0]
 
-    def let_step(_: Callable[[], bool]) -> bool:
+    def let_step(_):
         log.lines.append("let")
         wall[0] += 5.0
         return True
@@ -149,8 +146,8 @@ def test_each_step_is_let_and_a_long_wait_for_that_is_no_debt() -> None:
     assert not [line for line in log.lines if line.startswith("warn")]
 
 
-def test_a_pause_publishes_the_time_at_which_it_stands() -> None:
+def test_a_pause_publishes_the_time_at_which_it_stands():
     log = Log()
-    loop = Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True)  # type: ignore[arg-type]
+    loop = Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True)
     loop.pause()
     assert (loop.paused, log.lines) == (True, ["clock"])

@@ -1,6 +1,6 @@
 """Which outputs of a sensor are measured, by who listens."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from types import SimpleNamespace
 
 import pytest
@@ -17,38 +17,38 @@ class Outputs:
 
     outputs: Mapping[str, type[Message]] = {"small": String, "large": String}
 
-    def sample(self, state: object, wanted: Collection[str]) -> Mapping[str, bytes]:
+    def sample(self, state, wanted):
         """An empty text for each."""
         del state
         return {name: encode(String()) for name in wanted}
 
 
 @pytest.fixture
-def robot() -> SimpleNamespace:
+def robot():
     return SimpleNamespace(namespace="/r")
 
 
-def measured(reading: MountedSensor, times: int) -> list[str]:
-    return [sample.topic for _ in range(times) for sample in reading.measure(None)]  # type: ignore[arg-type] # no state is needed
+def measured(reading, times):
+    return [sample.topic for _ in range(times) for sample in reading.measure(None)]
 
 
-def make(robot: SimpleNamespace, *, always: bool = False) -> MountedSensor:
+def make(robot, *, always=False):
     mount = SensorMount("camera", "eye", 10.0, always=always)
-    return MountedSensor(robot, mount, Outputs(), frozenset(("large",)))  # type: ignore[arg-type] # a part of one
+    return MountedSensor(robot, mount, Outputs(), frozenset(("large",)))
 
 
-def test_everything_is_measured_before_a_selection(robot: SimpleNamespace) -> None:
+def test_everything_is_measured_before_a_selection(robot):
     assert measured(make(robot), 1) == ["/r/eye/small", "/r/eye/large"]
 
 
-def test_only_what_nodes_listen_to_is_measured(robot: SimpleNamespace) -> None:
+def test_only_what_nodes_listen_to_is_measured(robot):
     reading = make(robot)
     reading.select(lambda topic: Subscribers.KNOWN if topic == "/r/eye/large" else Subscribers.NONE)
 
     assert measured(reading, 3) == ["/r/eye/large"] * 3
 
 
-def test_nothing_is_measured_without_possible_subscribers(robot: SimpleNamespace) -> None:
+def test_nothing_is_measured_without_possible_subscribers(robot):
     reading = make(robot)
     reading.select(lambda _: Subscribers.NONE)
 
@@ -56,9 +56,7 @@ def test_nothing_is_measured_without_possible_subscribers(robot: SimpleNamespace
     assert measured(reading, 30) == []
 
 
-def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(
-    robot: SimpleNamespace,
-) -> None:
+def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(robot):
     reading = make(robot)
     reading.select(lambda _: Subscribers.POSSIBLE)
 
@@ -68,7 +66,7 @@ def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(
     assert (topics.count("/r/eye/small"), topics.count("/r/eye/large")) == (30, 3)
 
 
-def test_always_means_always(robot: SimpleNamespace) -> None:
+def test_always_means_always(robot):
     reading = make(robot, always=True)
     reading.select(lambda _: Subscribers.NONE)
 

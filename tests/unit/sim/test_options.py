@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import pytest
 
@@ -11,20 +10,19 @@ from lcmtools_sim.__main__ import main
 from lcmtools_sim.completion import complete
 from lcmtools_sim.engines import ENGINES
 from lcmtools_sim.main import overridden
-from lcmtools_sim.options import Options, parse_options
-from lcmtools_sim.scene import Scene
+from lcmtools_sim.options import parse_options
 from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world
 
 
-def test_without_arguments_it_is_the_husky_world_in_real_time() -> None:
+def test_without_arguments_it_is_the_husky_world_in_real_time():
     options = parse_options([])
 
     assert (options.world, options.rate, options.seed) == ("husky", 1.0, None)
 
 
 @pytest.mark.parametrize("arguments", [["empty"], ["--world", "empty"], ["--world=empty", "empty"]])
-def test_a_world_is_given_as_a_word_or_as_an_option(arguments: list[str]) -> None:
+def test_a_world_is_given_as_a_word_or_as_an_option(arguments):
     assert parse_options(arguments).world == "empty"
 
 
@@ -42,14 +40,14 @@ def test_a_world_is_given_as_a_word_or_as_an_option(arguments: list[str]) -> Non
         (["a", "--world", "b"], "two worlds are given, 'a' and 'b'"),
     ],
 )
-def test_a_mistake_is_one_clear_line(arguments: list[str], reason: str) -> None:
+def test_a_mistake_is_one_clear_line(arguments, reason):
     with pytest.raises(UsageError) as caught:
         parse_options(arguments)
 
     assert caught.value.what.startswith(reason)
 
 
-def test_worlds_are_listed_with_what_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_worlds_are_listed_with_what_they_are(capsys):
     assert main(["--list-worlds"]) == 0
 
     assert capsys.readouterr().out == (
@@ -63,9 +61,7 @@ def test_worlds_are_listed_with_what_they_are(capsys: pytest.CaptureFixture[str]
     )
 
 
-def test_completion_offers_every_option_and_the_engines(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_completion_offers_every_option_and_the_engines(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     shown = re.findall(r"^  (?:-h, )?(--[a-z-]+)", capsys.readouterr().out, re.MULTILINE)
@@ -78,9 +74,7 @@ def test_completion_offers_every_option_and_the_engines(
     assert not complete(["--world", "husky"], "")
 
 
-def test_a_printed_world_can_be_checked(
-    capsys: pytest.CaptureFixture[str], tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_a_printed_world_can_be_checked(capsys, tmp_path_factory):
     assert main(["--print-world", "husky"]) == 0
     file = tmp_path_factory.mktemp("worlds") / "mine.yaml"
     file.write_text(capsys.readouterr().out)
@@ -90,9 +84,7 @@ def test_a_printed_world_can_be_checked(
     assert capsys.readouterr().out == f"{file}: ok, husky /husky0; 11 objects\n"
 
 
-def test_a_bad_world_is_one_line_and_exit_code_2(
-    capsys: pytest.CaptureFixture[str], tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_a_bad_world_is_one_line_and_exit_code_2(capsys, tmp_path_factory):
     file = tmp_path_factory.mktemp("worlds") / "bad.yaml"
     file.write_text("node: a\nrobots: 3\n")
 
@@ -105,7 +97,7 @@ def test_a_bad_world_is_one_line_and_exit_code_2(
     )
 
 
-def test_help_shows_examples(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_shows_examples(capsys):
     with pytest.raises(SystemExit) as caught:
         main(["--help"])
 
@@ -123,14 +115,14 @@ def test_help_shows_examples(capsys: pytest.CaptureFixture[str]) -> None:
         (["--only", "a,,b"], "argument --only: must be names with commas between, not 'a,,b'"),
     ],
 )
-def test_a_mistake_with_robots_is_one_clear_line(arguments: list[str], reason: str) -> None:
+def test_a_mistake_with_robots_is_one_clear_line(arguments, reason):
     with pytest.raises(UsageError) as caught:
         parse_options(arguments)
 
     assert caught.value.what.startswith(reason)
 
 
-def test_robots_are_added_where_they_are_asked_for() -> None:
+def test_robots_are_added_where_they_are_asked_for():
     options = parse_options(["--robot", "husky@1,-2,90deg", "--robot", "dolly"])
 
     assert [(model.name, pose.x, pose.y) for model, pose in options.added] == [
@@ -140,23 +132,23 @@ def test_robots_are_added_where_they_are_asked_for() -> None:
     assert options.added[0][1].yaw == pytest.approx(math.pi / 2)
 
 
-def asked(*arguments: str) -> tuple[Scene, Options]:
+def asked(*arguments):
     options = parse_options(arguments)
     return overridden(read_scene(*find_world(options.world)), options)
 
 
-def names(scene: Scene) -> list[str]:
+def names(scene):
     return [robot.namespace for robot in scene.robots]
 
 
-def test_added_robots_get_the_next_free_names() -> None:
+def test_added_robots_get_the_next_free_names():
     scene, _ = asked("husky", "--robot", "husky@3,0,0", "--robot", "husky@6,0,0")
 
     assert names(scene) == ["/husky0", "/husky1", "/husky2"]
     assert scene.robots[2].pose.x == 6.0
 
 
-def test_the_process_with_the_first_robot_leads_and_others_follow() -> None:
+def test_the_process_with_the_first_robot_leads_and_others_follow():
     leading, leader = asked("multi", "--robots", "6", "--only", "husky1,/husky0")
     following, follower = asked("multi", "--robots", "6", "--only", "husky4,husky3")
 
@@ -166,22 +158,20 @@ def test_the_process_with_the_first_robot_leads_and_others_follow() -> None:
     assert following.objects == leading.objects
 
 
-def test_a_process_with_follow_is_a_node_of_another_name() -> None:
+def test_a_process_with_follow_is_a_node_of_another_name():
     scene, options = asked("pioneer", "--follow")
 
     assert (scene.node, options.follow) == ("gazebo_pioneer", True)
 
 
-def test_a_robot_that_is_not_there_cannot_be_the_only_one() -> None:
+def test_a_robot_that_is_not_there_cannot_be_the_only_one():
     with pytest.raises(UsageError) as caught:
         asked("multi", "--only", "husky9")
 
     assert str(caught.value).startswith("the world multi has no robot '/husky9'; did you mean")
 
 
-def test_what_a_world_of_gazebo_holds_and_is_left_out_is_said(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_what_a_world_of_gazebo_holds_and_is_left_out_is_said(capsys, tmp_path):
     file = tmp_path / "park.world"
     file.write_text("<sdf><world name='w'><light name='a'/><light name='b'/></world></sdf>")
 

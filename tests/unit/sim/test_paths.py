@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools_sim.geometry import Quaternion
 from lcmtools_sim.scene import MarkedPath
 from lcmtools_sim.session import path_message
 from lcmtools_sim.shapes import Line
@@ -19,15 +18,15 @@ from lcmtools_sim.world_file import read_scene
 from lcmtools_sim.worlds import find_world
 
 BLUE = (0.0, 0.0, 1.0)
-DOWN: Quaternion = (1.0, 0.0, 0.0, 0.0)
+DOWN = (1.0, 0.0, 0.0, 0.0)
 
 
-def read_path(text: str) -> MarkedPath:
+def read_path(text):
     (path,) = read_scene(f"paths:\n  - {text}\n", "w.yaml").paths
     return path
 
 
-def test_a_curve_leads_through_all_points_without_corners() -> None:
+def test_a_curve_leads_through_all_points_without_corners():
     path = read_path("{points: [[0, 0], [2, 0], [2, 2], [0, 2]], closed: true}")
     points = path.line.points
 
@@ -40,7 +39,7 @@ def test_a_curve_leads_through_all_points_without_corners() -> None:
     assert max(map(abs, turns)) < math.radians(20)
 
 
-def test_two_points_are_a_straight_line() -> None:
+def test_two_points_are_a_straight_line():
     path = read_path("{points: [[0, 1], [1, 1]], topic: way, width: 0.1, color: [1, 0, 0]}")
 
     assert path.topic == "/way"
@@ -62,14 +61,14 @@ def test_two_points_are_a_straight_line() -> None:
         ),
     ],
 )
-def test_a_path_that_is_none_is_refused(text: str, reason: str) -> None:
+def test_a_path_that_is_none_is_refused(text, reason):
     with pytest.raises(InvalidFile) as error:
         read_path(text)
 
     assert str(error.value).startswith(reason)
 
 
-def test_the_message_has_a_pose_at_each_point_that_looks_along_the_path() -> None:
+def test_the_message_has_a_pose_at_each_point_that_looks_along_the_path():
     points = ((0.0, 0.0), (0.0, 1.0), (0.0, 2.0))
 
     message = path_message(MarkedPath("/path", Line(points, 0.05, BLUE)))
@@ -81,7 +80,7 @@ def test_the_message_has_a_pose_at_each_point_that_looks_along_the_path() -> Non
         assert (turn.z, turn.w) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
 
 
-def test_a_line_is_seen_on_the_ground_and_hidden_by_nothing_else() -> None:
+def test_a_line_is_seen_on_the_ground_and_hidden_by_nothing_else():
     line = Line(((-5.0, 0.0), (5.0, 0.0)), 0.2, BLUE)
     solids = solids_of([], (0.5, 0.5, 0.5), (line,))
     camera = Camera(100, 100, math.radians(90))
@@ -96,7 +95,7 @@ def test_a_line_is_seen_on_the_ground_and_hidden_by_nothing_else() -> None:
     assert rows.mean() == pytest.approx(49.5, abs=0.6)
 
 
-def test_the_pioneers_path_begins_at_the_robot_and_can_be_driven() -> None:
+def test_the_pioneers_path_begins_at_the_robot_and_can_be_driven():
     scene = read_scene(*find_world("pioneer"))
     (path,), (robot,) = scene.paths, scene.robots
     points = np.array(path.line.points)

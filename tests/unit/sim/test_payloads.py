@@ -7,13 +7,13 @@ from lcmtools.types.nav_msgs import Odometry
 from lcmtools_sim.sensors.payloads import Payloads
 
 
-def template(name: str) -> PayloadTemplate:
+def template(name):
     message = Odometry()
     message.header.frame_id = name
     return PayloadTemplate(message, "twist.twist.linear", "header.stamp")
 
 
-def test_each_payload_has_the_numbers_of_its_robot() -> None:
+def test_each_payload_has_the_numbers_of_its_robot():
     robots = [("long/odom", 3), ("a/odom", 0), ("b/odom", 1), ("c/odom", 4)]
     speeds = np.array([0.5, -1.0, 9.0, 7.0, 1e300])
 
@@ -27,7 +27,7 @@ def test_each_payload_has_the_numbers_of_its_robot() -> None:
     ]
 
 
-def test_they_keep_their_numbers_when_others_are_filled() -> None:
+def test_they_keep_their_numbers_when_others_are_filled():
     payloads = Payloads([(template("a"), 0), (template("b"), 1)])
     first = payloads.fill([(np.array([1.0, 2.0]), 0.0, 0.0), (1, 0)])
     kept = list(first)

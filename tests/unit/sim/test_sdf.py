@@ -1,24 +1,23 @@
 """Worlds of Gazebo: what is taken of them, what is left out and said, what is refused."""
 
 import math
-from pathlib import Path
 
 import pytest
 
 from lcmtools.errors import InvalidFile
 from lcmtools_sim.geometry import Pose
-from lcmtools_sim.scene import Ground, Scene, SceneObject
+from lcmtools_sim.scene import Ground
 from lcmtools_sim.shapes import Cuboid, Cylinder, Sphere
 from lcmtools_sim.world_file import read_scene, sdf
 
 BOX = "<geometry><box><size>1 2 3</size></box></geometry>"
 
 
-def world(inside: str) -> str:
+def world(inside):
     return f"<sdf version='1.6'><world name='w'>\n{inside}\n</world></sdf>"
 
 
-def static(inside: str, pose: str = "0 0 0 0 0 0") -> str:
+def static(inside, pose="0 0 0 0 0 0"):
     return (
         f"<model name='m'><static>true</static><pose>{pose}</pose>"
         f"<link name='l'>{inside}</link></model>"
@@ -28,16 +27,16 @@ def static(inside: str, pose: str = "0 0 0 0 0 0") -> str:
 GOOD = static(f"<collision name='c'>{BOX}</collision>")
 
 
-def read(folder: Path, inside: str) -> Scene:
+def read(folder, inside):
     return read_scene(world(inside), str(folder / "yard.world"))
 
 
-def only(scene: Scene) -> SceneObject:
+def only(scene):
     (thing,) = scene.objects
     return thing
 
 
-def test_a_box_is_where_its_model_link_and_collision_put_it(tmp_path: Path) -> None:
+def test_a_box_is_where_its_model_link_and_collision_put_it(tmp_path):
     inside = (
         "<model name='crate'><pose>1 0 0 0 0 1.5707963267948966</pose>"
         f"<link name='l'><pose>1 0 0.5 0 0 0</pose><inertial><mass>4</mass></inertial>"
@@ -54,7 +53,7 @@ def test_a_box_is_where_its_model_link_and_collision_put_it(tmp_path: Path) -> N
     assert crate.parts[0].position == pytest.approx((0.0, 0.0, 1.0))
 
 
-def test_every_simple_shape_is_taken(tmp_path: Path) -> None:
+def test_every_simple_shape_is_taken(tmp_path):
     shapes = (
         "<cylinder><radius>0.5</radius><length>2</length></cylinder>",
         "<sphere><radius>0.4</radius></sphere>",
@@ -80,7 +79,7 @@ def test_every_simple_shape_is_taken(tmp_path: Path) -> None:
     assert thing.parts[5].position == pytest.approx((0.0, 0.0, 0.99))
 
 
-def test_the_plane_at_zero_is_the_ground_with_its_friction_and_color(tmp_path: Path) -> None:
+def test_the_plane_at_zero_is_the_ground_with_its_friction_and_color(tmp_path):
     inside = static(
         "<collision name='c'><geometry><plane><normal>0 0 1</normal></plane></geometry>"
         "<surface><friction><ode><mu>0.7</mu></ode></friction></surface></collision>"
@@ -103,9 +102,7 @@ def test_the_plane_at_zero_is_the_ground_with_its_friction_and_color(tmp_path: P
         ("<script><name>Gazebo/Unknown</name></script>", (0.6, 0.6, 0.62)),
     ],
 )
-def test_a_color_is_that_of_the_look_of_the_same_shape(
-    tmp_path: Path, material: str, color: tuple[float, float, float]
-) -> None:
+def test_a_color_is_that_of_the_look_of_the_same_shape(tmp_path, material, color):
     other = "<geometry><sphere><radius>1</radius></sphere></geometry>"
     look = f"<visual name='v'>{BOX}<material>{material}</material></visual>"
     inside = f"<visual name='o'>{other}</visual>{look}<collision name='c'>{BOX}</collision>"
@@ -113,7 +110,7 @@ def test_a_color_is_that_of_the_look_of_the_same_shape(
     assert only(read(tmp_path, static(inside))).parts[0].color == color
 
 
-def test_links_that_joints_hold_are_one_body_and_others_fall_apart(tmp_path: Path) -> None:
+def test_links_that_joints_hold_are_one_body_and_others_fall_apart(tmp_path):
     links = "".join(
         f"<link name='{name}'><pose>{x} 0 1 0 0 0</pose><inertial><mass>{m}</mass></inertial>"
         f"<collision name='c'>{BOX}</collision></link>"
@@ -134,7 +131,7 @@ def test_links_that_joints_hold_are_one_body_and_others_fall_apart(tmp_path: Pat
     assert found.notes == (f"{tmp_path}/yard.world: left out: movement of a joint (1)",)
 
 
-def test_nested_models_stand_in_each_other(tmp_path: Path) -> None:
+def test_nested_models_stand_in_each_other(tmp_path):
     inner = (
         "<model name='in'><pose>1 0 0 0 0 0</pose><link name='l'>"
         f"<collision name='c'>{BOX}</collision></link></model>"
@@ -161,7 +158,7 @@ def test_nested_models_stand_in_each_other(tmp_path: Path) -> None:
         ("<pose/>", Pose()),
     ],
 )
-def test_a_rotation_is_read_in_all_its_forms(tmp_path: Path, pose: str, rotation: Pose) -> None:
+def test_a_rotation_is_read_in_all_its_forms(tmp_path, pose, rotation):
     inside = static(f"<collision name='c'>{BOX}</collision>")
     inside = inside.replace("<pose>0 0 0 0 0 0</pose>", pose)
 
@@ -170,9 +167,7 @@ def test_a_rotation_is_read_in_all_its_forms(tmp_path: Path, pose: str, rotation
     assert found == pytest.approx(rotation.rotation, abs=1e-7)
 
 
-def test_includes_are_found_beside_the_file_and_where_gazebo_looks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_includes_are_found_beside_the_file_and_where_gazebo_looks(tmp_path, monkeypatch):
     model = f"<sdf>{GOOD}</sdf>"
     for folder in ("near", "models/deeper", "elsewhere/far", "ros/arm", "ros/arm/models/hand"):
         (tmp_path / folder).mkdir(parents=True)
@@ -196,7 +191,7 @@ def test_includes_are_found_beside_the_file_and_where_gazebo_looks(
     assert found.notes == ()
 
 
-def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
+def test_what_is_left_out_is_one_line(tmp_path):
     mesh = "<collision name='c'><geometry><mesh><uri>a.dae</uri></mesh></geometry></collision>"
     inside = (
         "<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include>"
@@ -220,13 +215,13 @@ def test_what_is_left_out_is_one_line(tmp_path: Path) -> None:
     )
 
 
-def test_a_model_whose_name_no_file_can_have_is_not_found(tmp_path: Path) -> None:
+def test_a_model_whose_name_no_file_can_have_is_not_found(tmp_path):
     long = "a" * 300
     found = read(tmp_path, f"<include><uri>model://{long}</uri></include>")
     assert found.notes == (f"{tmp_path}/yard.world: left out: model://{long} (not found, 1)",)
 
 
-def test_a_world_file_takes_the_things_of_a_gazebo_world(tmp_path: Path) -> None:
+def test_a_world_file_takes_the_things_of_a_gazebo_world(tmp_path):
     inside = static(f"<collision name='c'>{BOX}</collision>", "1 0 0 0 0 0")
     (tmp_path / "yard.world").write_text(world(inside + "<light name='a'/>"))
     text = "objects:\n- {type: sdf, file: yard.world, pose: [0, 2, 90 deg]}"
@@ -270,9 +265,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("old", "new", "message"), WRONG, ids=[f"{w[1]} {w[2]}" for w in WRONG])
-def test_what_is_wrong_is_said_with_file_and_line(
-    tmp_path: Path, old: str, new: str, message: str
-) -> None:
+def test_what_is_wrong_is_said_with_file_and_line(tmp_path, old, new, message):
     (tmp_path / "empty.sdf").write_text("<sdf/>")
     (tmp_path / "bytes.sdf").write_bytes(b"\xff\xfe")
     loop = "<sdf><model name='a'><include><uri>loop.sdf</uri></include></model></sdf>"
@@ -285,9 +278,7 @@ def test_what_is_wrong_is_said_with_file_and_line(
     assert str(caught.value).endswith(message.replace("FOLDER", str(tmp_path)))
 
 
-def test_includes_that_multiply_are_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_includes_that_multiply_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sdf, "_MOST_MODELS", 100)
     (tmp_path / "m0.sdf").write_text("<sdf><model name='a'/></sdf>")
     for i in range(1, 30):

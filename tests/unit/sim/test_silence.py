@@ -17,12 +17,12 @@ libc.fflush(None)
 """
 
 
-def run(script: str, prefix: str = "") -> subprocess.CompletedProcess[str]:
+def run(script, prefix=""):
     command = ["/bin/sh", "-c", f'exec "$0" -c "$1" {prefix}', sys.executable, script]
     return subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
 
 
-def test_what_c_and_python_print_within_is_gone_and_the_rest_is_there() -> None:
+def test_what_c_and_python_print_within_is_gone_and_the_rest_is_there():
     # stdout is a pipe here, so C buffers it: it must be flushed before it is given back.
     done = run(SCRIPT)
 
@@ -30,7 +30,7 @@ def test_what_c_and_python_print_within_is_gone_and_the_rest_is_there() -> None:
     assert sorted(done.stdout.split()) == ["after", "before"]
 
 
-def test_a_program_without_stdout_is_silenced_too() -> None:
+def test_a_program_without_stdout_is_silenced_too():
     done = run(SCRIPT.replace('print("before")', ""), ">&-")
 
     assert (done.returncode, done.stderr) == (0, "")

@@ -10,7 +10,7 @@ from lcmtools_sim.vision.solids import solids_of
 
 
 @pytest.mark.parametrize(("width", "height"), [(800, 600), (300, 900)])
-def test_from_above_everything_is_in_the_picture_to_its_top(width: int, height: int) -> None:
+def test_from_above_everything_is_in_the_picture_to_its_top(width, height):
     parts = [
         Part(Cuboid((1, 1, 4)), (5, 0, 2)),
         Part(Cuboid((1, 1, 0.5)), (-5, 0, 0.25)),
@@ -27,7 +27,7 @@ def test_from_above_everything_is_in_the_picture_to_its_top(width: int, height: 
     assert 0.75 < max(2 * across.max() / width, 2 * along.max() / height) < 1.0
 
 
-def test_a_body_that_is_lost_does_not_spoil_the_picture() -> None:
+def test_a_body_that_is_lost_does_not_spoil_the_picture():
     corners = np.array([(np.nan, 0.0, 0.0), (1.0, 1.0, 1.0)])
 
     assert np.isfinite(_above(corners, Camera(800, 600, 1.0))).all()

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools_sim.arithmetic import ARRAYS, FLOATS, Arithmetic
+from lcmtools_sim.arithmetic import ARRAYS, FLOATS
 from lcmtools_sim.drive import body_velocity
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.tyres import Tyres, gripping, skidding
+from lcmtools_sim.tyres import gripping, skidding
 
 NO_LIMIT = 1e9  # [N s]
 LIMIT = 0.9  # [N s] of a side
@@ -34,8 +34,8 @@ velocities = st.tuples(speeds, speeds, rates)
 
 @given(speeds, speeds, rates, speeds, speeds)
 def test_tyres_that_do_not_slip_make_the_body_move_as_the_wheels_do(
-    forward: float, sideways: float, turn_rate: float, left: float, right: float
-) -> None:
+    forward, sideways, turn_rate, left, right
+):
     change = GRIPPING(forward, sideways, turn_rate, left, right, NO_LIMIT)
 
     wanted = body_velocity(left, right, TRACK)
@@ -45,8 +45,8 @@ def test_tyres_that_do_not_slip_make_the_body_move_as_the_wheels_do(
 
 @given(speeds, speeds, rates, speeds, speeds)
 def test_a_little_less_friction_than_is_needed_changes_little(
-    forward: float, sideways: float, turn_rate: float, left: float, right: float
-) -> None:
+    forward, sideways, turn_rate, left, right
+):
     """Both ways of working it out, with slip and without, meet where slip begins."""
     before = forward, sideways, turn_rate
     wanted = body_velocity(left, right, TRACK)
@@ -61,9 +61,7 @@ def test_a_little_less_friction_than_is_needed_changes_little(
 
 @both_kinds
 @given(velocities, st.tuples(speeds, speeds))
-def test_tyres_give_no_more_than_friction_allows(
-    tyres: Tyres, lever: float, before: tuple[float, float, float], wheels: tuple[float, float]
-) -> None:
+def test_tyres_give_no_more_than_friction_allows(tyres, lever, before, wheels):
     change = tyres(*before, *wheels, LIMIT)
 
     assert math.hypot(change[0], change[1]) * MASS <= 2 * LIMIT * (1 + 1e-9)
@@ -72,10 +70,8 @@ def test_tyres_give_no_more_than_friction_allows(
 
 @pytest.mark.parametrize("tyres", [tyres for tyres, _ in KINDS.values()], ids=KINDS)
 @given(velocities)
-def test_tyres_of_standing_wheels_only_take_energy_away(
-    tyres: Tyres, before: tuple[float, float, float]
-) -> None:
-    def energy(forward: float, sideways: float, turn_rate: float) -> float:
+def test_tyres_of_standing_wheels_only_take_energy_away(tyres, before):
+    def energy(forward, sideways, turn_rate):
         return MASS * (forward**2 + sideways**2) / 2 + INERTIA * turn_rate**2 / 2
 
     change = tyres(*before, 0.0, 0.0, LIMIT)
@@ -85,21 +81,21 @@ def test_tyres_of_standing_wheels_only_take_energy_away(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_tyres_of_many_robots_pull_as_those_of_each(kind: str) -> None:
+def test_tyres_of_many_robots_pull_as_those_of_each(kind):
     random = np.random.default_rng(3)
     masses, inertias = random.uniform(20, 80, 50), random.uniform(1, 5, 50)
     values = random.uniform(-2, 2, (5, 50))
     limits = random.uniform(0, 2, 50)
 
-    def made(mass: float, inertia: float, ops: Arithmetic) -> Tyres:
+    def made(mass, inertia, ops):
         if kind == "gripping":
             return gripping(mass, inertia, TRACK, ops)
         return skidding(mass, inertia, WHEELS, ops)
 
-    together = made(masses, inertias, ARRAYS)(*values, limits)  # type: ignore[arg-type] # as a Value may be
+    together = made(masses, inertias, ARRAYS)(*values, limits)
 
     for i in range(50):
         alone = made(float(masses[i]), float(inertias[i]), FLOATS)(
             *values[:, i].tolist(), limits[i]
         )
-        assert [float(column[i]) for column in together] == pytest.approx(alone, rel=1e-12)  # type: ignore[index]
+        assert [float(column[i]) for column in together] == pytest.approx(alone, rel=1e-12)

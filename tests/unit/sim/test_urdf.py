@@ -1,13 +1,10 @@
 """Robots from URDF files: the body, the drive, and what is wrong with a file."""
 
 import math
-from pathlib import Path
 
 import pytest
 
 from lcmtools.errors import InvalidFile
-from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.scene import Scene
 from lcmtools_sim.shapes import Cuboid, Cylinder, Sphere
 from lcmtools_sim.world_file import read_scene
 
@@ -55,17 +52,17 @@ CART = """<?xml version="1.0"?>
 DRIVE = "{left: [left_joint], right: [right_joint]}"
 
 
-def scene(folder: Path, urdf: str = CART, drive: str = DRIVE, more: str = "") -> Scene:
+def scene(folder, urdf=CART, drive=DRIVE, more=""):
     (folder / "cart.urdf").write_text(urdf)
     text = f"robots:\n- model: cart.urdf\n  namespace: a\n  drive: {drive}\n{more}"
     return read_scene(text, str(folder / "yard.yaml"))
 
 
-def model(folder: Path, urdf: str = CART, drive: str = DRIVE) -> RobotModel:
+def model(folder, urdf=CART, drive=DRIVE):
     return scene(folder, urdf, drive).robots[0].model
 
 
-def test_the_wheels_give_radius_track_and_the_names_of_the_sides(tmp_path: Path) -> None:
+def test_the_wheels_give_radius_track_and_the_names_of_the_sides(tmp_path):
     cart = model(tmp_path)
 
     assert cart.name == "cart"
@@ -82,7 +79,7 @@ def test_the_wheels_give_radius_track_and_the_names_of_the_sides(tmp_path: Path)
     ]
 
 
-def test_viewers_see_wheels_with_spokes_that_turn(tmp_path: Path) -> None:
+def test_viewers_see_wheels_with_spokes_that_turn(tmp_path):
     look = model(tmp_path).body.look
 
     assert [type(part.shape) for part in look.parts] == [Cuboid, Sphere]
@@ -95,7 +92,7 @@ def test_viewers_see_wheels_with_spokes_that_turn(tmp_path: Path) -> None:
     assert len(spokes) == 3
 
 
-def test_what_the_drive_says_wins_over_the_geometry(tmp_path: Path) -> None:
+def test_what_the_drive_says_wins_over_the_geometry(tmp_path):
     drive = (
         "{left: [left_joint], right: [right_joint], wheel_radius: 0.11, track: 0.4,"
         " max_speed: 2, max_turn_rate: 3, max_acceleration: 4, time_constant: 0.2, friction: 0.5}"
@@ -108,7 +105,7 @@ def test_what_the_drive_says_wins_over_the_geometry(tmp_path: Path) -> None:
     assert (found.time_constant, found.tyre_friction) == (0.2, 0.5)
 
 
-def test_masses_are_joined_by_the_parallel_axis_theorem(tmp_path: Path) -> None:
+def test_masses_are_joined_by_the_parallel_axis_theorem(tmp_path):
     body = model(tmp_path).body
 
     # base_link hangs 0.12 m above the ground, its mass 0.02 m higher, the wheels' at 0.1 m.
@@ -126,7 +123,7 @@ def test_masses_are_joined_by_the_parallel_axis_theorem(tmp_path: Path) -> None:
     )
 
 
-def test_a_turned_inertia_is_turned_into_the_base(tmp_path: Path) -> None:
+def test_a_turned_inertia_is_turned_into_the_base(tmp_path):
     turned = CART.replace('<origin xyz="0 0 0.02"/><mass', '<origin rpy="0 1.5707963 0"/><mass')
 
     before, after = model(tmp_path).body, model(tmp_path, turned).body
@@ -139,7 +136,7 @@ def test_a_turned_inertia_is_turned_into_the_base(tmp_path: Path) -> None:
     assert before.inertia[2] - after.inertia[2] == pytest.approx(0.02)
 
 
-def test_shapes_are_those_that_collide_or_else_those_that_are_seen(tmp_path: Path) -> None:
+def test_shapes_are_those_that_collide_or_else_those_that_are_seen(tmp_path):
     found = scene(tmp_path)
     parts = found.robots[0].model.body.parts
 
@@ -149,7 +146,7 @@ def test_shapes_are_those_that_collide_or_else_those_that_are_seen(tmp_path: Pat
     assert found.notes == ()
 
 
-def test_nothing_but_the_feet_touches_the_ground(tmp_path: Path) -> None:
+def test_nothing_but_the_feet_touches_the_ground(tmp_path):
     body = model(tmp_path).body
 
     for part in body.parts[1:]:
@@ -157,9 +154,7 @@ def test_nothing_but_the_feet_touches_the_ground(tmp_path: Path) -> None:
         assert part.position[2] - radius > 0.003
 
 
-def test_it_stands_on_wheels_and_caster_and_a_foot_where_nothing_supports_it(
-    tmp_path: Path,
-) -> None:
+def test_it_stands_on_wheels_and_caster_and_a_foot_where_nothing_supports_it(tmp_path):
     left, right, caster, added = model(tmp_path).body.feet
 
     assert (left, right) == ((0.0, pytest.approx(0.15)), (0.0, pytest.approx(-0.15)))
@@ -167,7 +162,7 @@ def test_it_stands_on_wheels_and_caster_and_a_foot_where_nothing_supports_it(
     assert added[0] > 0.03
 
 
-def test_four_wheels_can_skid_and_need_no_more_feet(tmp_path: Path) -> None:
+def test_four_wheels_can_skid_and_need_no_more_feet(tmp_path):
     extra = "".join(
         f'<link name="{side}2"><collision><origin rpy="1.5708 0 0"/><geometry>'
         '<cylinder radius="0.1" length="0.04"/></geometry></collision></link>'
@@ -188,7 +183,7 @@ def test_four_wheels_can_skid_and_need_no_more_feet(tmp_path: Path) -> None:
     assert "base_link is assumed at the middle between the wheels" in found.notes[0]
 
 
-def test_a_link_that_is_only_seen_as_a_mesh_is_left_out_and_said(tmp_path: Path) -> None:
+def test_a_link_that_is_only_seen_as_a_mesh_is_left_out_and_said(tmp_path):
     mesh = '<visual><geometry><mesh filename="a.stl"/></geometry></visual>'
     ball = '<visual><geometry><sphere radius="0.04"/></geometry></visual>'
 
@@ -208,16 +203,14 @@ def test_a_link_that_is_only_seen_as_a_mesh_is_left_out_and_said(tmp_path: Path)
         ('ixx="0" iyy="0" izz="0.06"', True),
     ],
 )
-def test_an_inertia_that_no_body_has_is_named(
-    tmp_path: Path, inertia: str, *, is_noted: bool
-) -> None:
+def test_an_inertia_that_no_body_has_is_named(tmp_path, inertia, *, is_noted):
     text = CART.replace('ixx="0.04" iyy="0.05" izz="0.06" ixy="0" ixz="0" iyz="0"', inertia, 1)
     note = f"{tmp_path}/cart.urdf:5: no body has the inertia of link 'base_link': the engine"
     notes = [one for one in scene(tmp_path, text).notes if one.startswith(note)]
     assert len(notes) == is_noted
 
 
-def test_topics_and_commands_are_renamed(tmp_path: Path) -> None:
+def test_topics_and_commands_are_renamed(tmp_path):
     found = scene(tmp_path, more="  topics: {odometry: odom}\n  commands: [drive]\n")
 
     cart = found.robots[0].model
@@ -275,9 +268,7 @@ WRONG = [
 @pytest.mark.parametrize(
     ("old", "new", "message"), WRONG, ids=[f"{w[1]} {w[2]}"[:80] for w in WRONG]
 )
-def test_what_is_wrong_in_the_file_is_said_with_its_line(
-    tmp_path: Path, old: str, new: str, message: str
-) -> None:
+def test_what_is_wrong_in_the_file_is_said_with_its_line(tmp_path, old, new, message):
     assert old in CART
 
     with pytest.raises(InvalidFile) as caught:
@@ -309,9 +300,7 @@ def test_what_is_wrong_in_the_file_is_said_with_its_line(
         ),
     ],
 )
-def test_what_is_wrong_in_the_drive_is_said_with_its_line(
-    tmp_path: Path, drive: str, message: str
-) -> None:
+def test_what_is_wrong_in_the_drive_is_said_with_its_line(tmp_path, drive, message):
     with pytest.raises(InvalidFile) as caught:
         scene(tmp_path, drive=drive)
 
@@ -319,7 +308,7 @@ def test_what_is_wrong_in_the_drive_is_said_with_its_line(
     assert str(caught.value).startswith(f"{tmp_path}/yard.yaml:{wanted}")
 
 
-def test_the_error_for_a_urdf_without_a_drive_names_the_joints_that_turn(tmp_path: Path) -> None:
+def test_the_error_for_a_urdf_without_a_drive_names_the_joints_that_turn(tmp_path):
     (tmp_path / "cart.urdf").write_text(CART)
 
     with pytest.raises(InvalidFile) as caught:
@@ -331,7 +320,7 @@ def test_the_error_for_a_urdf_without_a_drive_names_the_joints_that_turn(tmp_pat
     )
 
 
-def test_wheels_without_mass_and_of_two_sizes_are_refused(tmp_path: Path) -> None:
+def test_wheels_without_mass_and_of_two_sizes_are_refused(tmp_path):
     massless = CART.replace('value="4"', 'value="0"').replace('value="0.5"', 'value="0"')
     uneven = CART.replace('radius="0.1"', 'radius="0.12"', 1)
 
@@ -341,12 +330,12 @@ def test_wheels_without_mass_and_of_two_sizes_are_refused(tmp_path: Path) -> Non
         scene(tmp_path, uneven)
 
 
-def test_a_deep_file_is_refused(tmp_path: Path) -> None:
+def test_a_deep_file_is_refused(tmp_path):
     with pytest.raises(InvalidFile, match=r"cart.urdf:1: nested more than 50 levels deep"):
         scene(tmp_path, "<robot>" + "<a>" * 100_000)
 
 
-def test_a_base_turned_in_the_world_makes_no_difference(tmp_path: Path) -> None:
+def test_a_base_turned_in_the_world_makes_no_difference(tmp_path):
     turned = CART.replace('<origin xyz="0 0 0.12"/>', '<origin xyz="3 2 0.12" rpy="0 0 1"/>')
 
     assert model(tmp_path, turned).body.parts[0].position == pytest.approx((0, 0, 0.12))

@@ -7,25 +7,24 @@ import numpy as np
 import pytest
 
 from lcmtools_sim.robots.husky import HUSKY
-from lcmtools_sim.robots.model import RobotModel
-from lcmtools_sim.vehicles import Constants, Variables, Vehicles, constants_of
+from lcmtools_sim.vehicles import Variables, Vehicles, constants_of
 
 DT = 1 / 240
 DRIVE = HUSKY.drive
 SKIDDING = replace(HUSKY, drive=replace(DRIVE, skids=True))
 
 
-def known(model: RobotModel = HUSKY, timeout: float = math.inf) -> Constants:
+def known(model=HUSKY, timeout=math.inf):
     return constants_of(model, DT, timeout, friction=9.81)
 
 
-def driven(vehicles: Vehicles, steps: int) -> Variables:
+def driven(vehicles, steps):
     for _ in range(steps):
         vehicles.step()
     return vehicles.now
 
 
-def test_wheels_turn_by_the_way_over_the_radius() -> None:
+def test_wheels_turn_by_the_way_over_the_radius():
     vehicles = Vehicles(HUSKY, known(), Variables(left_target=1.0, right_target=0.5), DT)
     before = replace(driven(vehicles, 2400))
 
@@ -35,7 +34,7 @@ def test_wheels_turn_by_the_way_over_the_radius() -> None:
     assert after.right_angle - before.right_angle == pytest.approx(0.5 / 0.1651)
 
 
-def test_a_body_on_wheels_that_grip_goes_where_its_encoders_say() -> None:
+def test_a_body_on_wheels_that_grip_goes_where_its_encoders_say():
     vehicles = Vehicles(HUSKY, known(), Variables(left_target=0.3, right_target=0.6), DT)
 
     now = driven(vehicles, 240 * 60)
@@ -45,7 +44,7 @@ def test_a_body_on_wheels_that_grip_goes_where_its_encoders_say() -> None:
     )
 
 
-def test_it_slides_where_the_ground_gives_too_little() -> None:
+def test_it_slides_where_the_ground_gives_too_little():
     ice = replace(known(), largest_impulse=known().largest_impulse / 100)
     vehicles = Vehicles(HUSKY, ice, Variables(left_target=1.0, right_target=1.0), DT)
 
@@ -55,7 +54,7 @@ def test_it_slides_where_the_ground_gives_too_little() -> None:
     assert now.vx == pytest.approx(0.008 * 9.81, rel=1e-6)
 
 
-def test_a_command_ends_with_its_timeout() -> None:
+def test_a_command_ends_with_its_timeout():
     vehicles = Vehicles(HUSKY, known(timeout=0.5), Variables(left_target=1, right_target=1), DT)
 
     assert driven(vehicles, 120).left_target == 1.0
@@ -63,10 +62,10 @@ def test_a_command_ends_with_its_timeout() -> None:
     assert driven(vehicles, 240 * 3).left == 0.0
 
 
-def test_noisy_encoders_read_another_speed_in_each_step_but_not_at_rest() -> None:
-    drawn: list[int] = []
+def test_noisy_encoders_read_another_speed_in_each_step_but_not_at_rest():
+    drawn = []
 
-    def random(count: int) -> list[float]:
+    def random(count):
         drawn.append(count)
         return [1.0, 1.0]
 
@@ -84,7 +83,7 @@ def test_noisy_encoders_read_another_speed_in_each_step_but_not_at_rest() -> Non
 
 
 @pytest.mark.parametrize("model", [HUSKY, SKIDDING], ids=["gripping", "skidding"])
-def test_many_robots_move_as_each_alone(model: RobotModel) -> None:
+def test_many_robots_move_as_each_alone(model):
     random = np.random.default_rng(5)
     starts = [Variables(*random.uniform(-1, 1, 19).tolist()) for _ in range(20)]
     timeouts = [100.0 if i % 2 else 0.3 for i in range(20)]
@@ -108,7 +107,7 @@ def test_many_robots_move_as_each_alone(model: RobotModel) -> None:
         assert together.get(index, "x") == [values[10]]
 
 
-def test_a_robot_of_many_can_be_set_alone() -> None:
+def test_a_robot_of_many_can_be_set_alone():
     single = Vehicles(HUSKY, known(), Variables(), DT)
     together = Vehicles.joined([(single, 0)] * 3)
 

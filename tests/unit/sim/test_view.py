@@ -1,6 +1,5 @@
 """The world is published while a node subscribes to it, and to no one else."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
@@ -22,19 +21,19 @@ class FakePublisher:
     subscribers: set[str] = field(default_factory=set)
     sent: list[Message] = field(default_factory=list)
 
-    def publish(self, message: Message) -> None:
+    def publish(self, message):
         """Keep it."""
         self.sent.append(message)
 
-    def publish_payload(self, payload: bytes) -> None:
+    def publish_payload(self, payload):
         """Keep the message."""
         self.sent.append(decode(self.message_type, payload))
 
-    def subscriber_ids(self) -> frozenset[str]:
+    def subscriber_ids(self):
         """The test's."""
         return frozenset(self.subscribers)
 
-    def subscriber_count(self) -> int:
+    def subscriber_count(self):
         """The test's."""
         return len(self.subscribers)
 
@@ -42,29 +41,29 @@ class FakePublisher:
 class FakeNode:
     """The part of Node that is used: publishers, and timers that the test lets pass."""
 
-    def __init__(self) -> None:
-        self.publishers: dict[str, FakePublisher] = {}
-        self.timers: dict[Callable[[], object], float] = {}
+    def __init__(self):
+        self.publishers = {}
+        self.timers = {}
         self.overheard = False
 
-    def create_publisher(self, kind: type[Message], topic: str) -> FakePublisher:
+    def create_publisher(self, kind, topic):
         """Keep it."""
         return self.publishers.setdefault(topic, FakePublisher(kind))
 
-    def create_timer(self, seconds: float, callback: Callable[[], object]) -> object:
+    def create_timer(self, seconds, callback):
         """Keep it; the callback stands for it."""
         self.timers[callback] = seconds
         return callback
 
-    def destroy_timer(self, timer: Callable[[], object]) -> None:
+    def destroy_timer(self, timer):
         """Forget it."""
         del self.timers[timer]
 
-    def has_plain_listeners(self) -> bool:
+    def has_plain_listeners(self):
         """The test's value."""
         return self.overheard
 
-    def let_pass(self, periods: int = 1) -> None:
+    def let_pass(self, periods=1):
         """Call all timers so often."""
         for _ in range(periods):
             for callback in list(self.timers):
@@ -86,23 +85,21 @@ class FakeSimulation:
     time = 0
     robots = ()
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.objects = [FakeThing()]
 
 
 @pytest.fixture
-def node() -> FakeNode:
+def node():
     return FakeNode()
 
 
 @pytest.fixture
-def simulation() -> FakeSimulation:
+def simulation():
     return FakeSimulation()
 
 
-def test_without_a_subscriber_nothing_is_sent_not_even_to_plain_programs(
-    node: FakeNode, simulation: FakeSimulation
-) -> None:
+def test_without_a_subscriber_nothing_is_sent_not_even_to_plain_programs(node, simulation):
     node.overheard = True
     View(node, simulation, whole=True)
     timers = len(node.timers)
@@ -113,9 +110,7 @@ def test_without_a_subscriber_nothing_is_sent_not_even_to_plain_programs(
     assert (len(node.timers), min(node.timers.values())) == (timers, 0.1)  # it hardly looks
 
 
-def test_poses_are_sent_while_somebody_subscribes(
-    node: FakeNode, simulation: FakeSimulation
-) -> None:
+def test_poses_are_sent_while_somebody_subscribes(node, simulation):
     View(node, simulation, whole=True)
     poses = node.publishers["~poses"]
     poses.subscribers.add("viewer")
@@ -134,7 +129,7 @@ def test_poses_are_sent_while_somebody_subscribes(
     assert len(poses.sent) == sent
 
 
-def test_poses_that_stay_are_sent_once_a_second(node: FakeNode, simulation: FakeSimulation) -> None:
+def test_poses_that_stay_are_sent_once_a_second(node, simulation):
     View(node, simulation, whole=True)
     poses = node.publishers["~poses"]
     poses.subscribers.add("viewer")
@@ -145,9 +140,7 @@ def test_poses_that_stay_are_sent_once_a_second(node: FakeNode, simulation: Fake
     assert 3 <= len(poses.sent) <= 4
 
 
-def test_the_world_is_sent_to_each_new_subscriber_and_when_it_changes(
-    node: FakeNode, simulation: FakeSimulation
-) -> None:
+def test_the_world_is_sent_to_each_new_subscriber_and_when_it_changes(node, simulation):
     view = View(node, simulation, whole=True)
     world = node.publishers["~world"]
 
@@ -164,7 +157,7 @@ def test_the_world_is_sent_to_each_new_subscriber_and_when_it_changes(
     assert len(world.sent) == 4  # once a second: one may be lost
 
 
-def test_a_follower_shows_its_robots_alone(node: FakeNode, simulation: FakeSimulation) -> None:
+def test_a_follower_shows_its_robots_alone(node, simulation):
     View(node, simulation, whole=False)
     for publisher in node.publishers.values():
         publisher.subscribers.add("viewer")
@@ -176,7 +169,7 @@ def test_a_follower_shows_its_robots_alone(node: FakeNode, simulation: FakeSimul
     assert poses.transforms == []
 
 
-def test_a_path_is_repeated_every_second_for_plain_programs(node: FakeNode) -> None:
+def test_a_path_is_repeated_every_second_for_plain_programs(node):
     LatchedPublisher(node, String, "a", String, node.has_plain_listeners)
     node.let_pass(20)
     assert node.publishers["a"].sent == []

@@ -21,7 +21,7 @@ KINECT = Camera(640, 480, math.radians(57))
 angles = st.floats(-math.pi, math.pi)
 
 
-def test_a_kinects_focal_length_comes_from_its_field_of_view() -> None:
+def test_a_kinects_focal_length_comes_from_its_field_of_view():
     assert KINECT.focal_length == pytest.approx(589.37, abs=0.005)
     assert KINECT.centre == (319.5, 239.5)
 
@@ -30,14 +30,12 @@ def test_a_kinects_focal_length_comes_from_its_field_of_view() -> None:
     ("width", "height", "field_of_view"),
     [(0, 480, 1.0), (640, -1, 1.0), (640, 480, 0.0), (640, 480, 57.0), (640, 480, math.nan)],
 )
-def test_a_camera_that_could_make_no_picture_is_refused(
-    width: int, height: int, field_of_view: float
-) -> None:
+def test_a_camera_that_could_make_no_picture_is_refused(width, height, field_of_view):
     with pytest.raises(ValueError, match=r"pixels|field of view"):
         Camera(width, height, field_of_view)
 
 
-def test_the_optical_frame_looks_along_x_with_y_to_the_left() -> None:
+def test_the_optical_frame_looks_along_x_with_y_to_the_left():
     right, down, forward = axes(OPTICAL)
 
     assert right == pytest.approx((0, -1, 0))
@@ -46,9 +44,7 @@ def test_the_optical_frame_looks_along_x_with_y_to_the_left() -> None:
 
 
 @given(angles, angles, angles)
-def test_the_optical_rotation_is_the_cameras_times_the_fixed_one(
-    roll: float, pitch: float, yaw: float
-) -> None:
+def test_the_optical_rotation_is_the_cameras_times_the_fixed_one(roll, pitch, yaw):
     rotation = from_euler(roll, pitch, yaw)
 
     np.testing.assert_allclose(
@@ -56,7 +52,7 @@ def test_the_optical_rotation_is_the_cameras_times_the_fixed_one(
     )
 
 
-def test_every_ray_projects_to_its_own_pixel() -> None:
+def test_every_ray_projects_to_its_own_pixel():
     rows, columns = np.mgrid[: KINECT.height, : KINECT.width]
 
     pixels = project(KINECT, rays_of(KINECT) * 3.7)
@@ -65,7 +61,7 @@ def test_every_ray_projects_to_its_own_pixel() -> None:
     np.testing.assert_allclose(pixels[..., 1], rows, atol=1e-9)
 
 
-def test_camera_info_is_that_of_a_centred_pinhole() -> None:
+def test_camera_info_is_that_of_a_centred_pinhole():
     info = decode(CameraInfo, encode(KINECT.info()))
     focal = KINECT.focal_length
 
@@ -78,9 +74,7 @@ def test_camera_info_is_that_of_a_centred_pinhole() -> None:
 
 
 @given(st.floats(1, 6), st.floats(-0.4, 0.4), st.floats(-0.3, 0.3))
-def test_camera_info_says_at_which_pixel_a_point_is_seen(
-    z: float, across: float, down: float
-) -> None:
+def test_camera_info_says_at_which_pixel_a_point_is_seen(z, across, down):
     point = np.array((across * z, down * z, z))
     position = (point[2], -point[0], -point[1])  # in the world of a camera that looks along x
     camera = Camera(320, 240, math.radians(57))

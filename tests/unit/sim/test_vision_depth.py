@@ -8,11 +8,11 @@ from fixtures.plain_rays import cast, project, rays_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lcmtools_sim.geometry import Quaternion, Vector, from_euler
-from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.geometry import from_euler
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.vision.camera import Camera, optical, pixel_bounds
 from lcmtools_sim.vision.render import GROUND, SKY, render
-from lcmtools_sim.vision.solids import Floats, Solids, joined, matrix, solids_of
+from lcmtools_sim.vision.solids import joined, matrix, solids_of
 
 CAMERA = Camera(161, 121, math.radians(57))  # odd, so that a pixel looks along the axis
 MIDDLE = (60, 80)  # its row and column
@@ -23,18 +23,18 @@ MILLIMETRE = 1e-3
 FAR = 8.0  # [m]
 
 
-def depth_of(*parts: Part, eye: Vector = EYE, rotation: Quaternion = AHEAD) -> np.ndarray:
+def depth_of(*parts, eye=EYE, rotation=AHEAD):
     return render(solids_of(parts), CAMERA, eye, rotation).depth
 
 
-def truth(solids: Solids, camera: Camera, eye: Vector, rotation: Quaternion) -> Floats:
+def truth(solids, camera, eye, rotation):
     """The depth by float64 rays, one a pixel."""
     rays = rays_of(camera).reshape(-1, 3)
     distances = cast(solids, eye, rays @ matrix(rotation).T)
     return (distances / np.linalg.norm(rays, axis=1)).reshape(camera.height, camera.width)
 
 
-def test_a_flat_wall_has_the_same_depth_in_every_pixel() -> None:
+def test_a_flat_wall_has_the_same_depth_in_every_pixel():
     depth = depth_of(Part(Cuboid((0.2, 50, 50)), (3.1, 0, 0)))
 
     assert depth.dtype == np.float32
@@ -43,7 +43,7 @@ def test_a_flat_wall_has_the_same_depth_in_every_pixel() -> None:
 
 
 @pytest.mark.parametrize("angle", [-1.0, -0.4, 0.3, 0.7])
-def test_an_oblique_wall_is_a_plane(angle: float) -> None:
+def test_an_oblique_wall_is_a_plane(angle):
     # The face's plane: n.p = s with n = (cos, sin) of the angle and s = 2 cos(angle).
     normal = np.array((math.cos(angle), math.sin(angle)))
     centre = normal * (2 * normal[0] + 0.5)
@@ -58,7 +58,7 @@ def test_an_oblique_wall_is_a_plane(angle: float) -> None:
     np.testing.assert_allclose(depth[expected < 8], expected[expected < 8], atol=1e-5)
 
 
-def test_the_floor_of_a_level_camera_is_its_height_by_the_slope_of_the_row() -> None:
+def test_the_floor_of_a_level_camera_is_its_height_by_the_slope_of_the_row():
     depth = render(solids_of([], GREY), CAMERA, EYE, AHEAD).depth
     rows = np.arange(61, 121)
     expected = 0.3 * CAMERA.focal_length / (rows - 60)
@@ -67,13 +67,13 @@ def test_the_floor_of_a_level_camera_is_its_height_by_the_slope_of_the_row() -> 
     assert np.isinf(depth[:61]).all()
 
 
-def test_the_floor_is_not_seen_from_below() -> None:
+def test_the_floor_is_not_seen_from_below():
     depth = render(solids_of([], GREY), CAMERA, (0, 0, -1), optical(from_euler(0, -0.5, 0))).depth
 
     assert np.isinf(depth).all()
 
 
-def test_a_box_covers_the_pixels_between_its_projected_corners() -> None:
+def test_a_box_covers_the_pixels_between_its_projected_corners():
     box = Part(Cuboid((1, 0.8, 0.4)), (2.5, 0.3, 0.3))
     left, right = project(CAMERA, [(-0.7, 0, 2), (0.1, 0, 2)])[:, 0]
     top, bottom = project(CAMERA, [(0, -0.2, 2), (0, 0.2, 2)])[:, 1]
@@ -86,7 +86,7 @@ def test_a_box_covers_the_pixels_between_its_projected_corners() -> None:
     assert rows.max() == math.floor(bottom)
 
 
-def test_the_middle_of_a_ball_is_nearest() -> None:
+def test_the_middle_of_a_ball_is_nearest():
     depth = depth_of(Part(Sphere(0.5), (3, 0, 0.3)))
 
     assert depth[MIDDLE] == pytest.approx(2.5, abs=1e-6)
@@ -95,14 +95,14 @@ def test_the_middle_of_a_ball_is_nearest() -> None:
     assert np.isfinite(depth[60]).sum() == 2 * math.floor(silhouette) + 1
 
 
-def test_the_side_of_a_standing_cylinder_is_the_same_in_every_row() -> None:
+def test_the_side_of_a_standing_cylinder_is_the_same_in_every_row():
     depth = depth_of(Part(Cylinder(0.5, 40), (3, 0, 0.3)))
 
     np.testing.assert_allclose(depth[:, 80], 2.5, atol=1e-6)
     assert (depth == depth[60]).all()
 
 
-def test_the_cap_of_a_lying_cylinder_is_flat_and_round() -> None:
+def test_the_cap_of_a_lying_cylinder_is_flat_and_round():
     depth = depth_of(Part(Cylinder(0.5, 1), (3, 0, 0.3), from_euler(0, math.pi / 2, 0)))
     radius = 0.5 / 2.5 * CAMERA.focal_length
     row, column = np.mgrid[:121, :161]
@@ -113,18 +113,18 @@ def test_the_cap_of_a_lying_cylinder_is_flat_and_round() -> None:
 
 
 @pytest.mark.parametrize("shape", [Cuboid((1, 1, 1)), Cylinder(0.5, 1), Sphere(0.5)])
-def test_a_solid_is_not_seen_from_within(shape: Shape) -> None:
+def test_a_solid_is_not_seen_from_within(shape):
     wall = Part(Cuboid((0.2, 50, 50)), (3.1, 0, 0))
 
     np.testing.assert_allclose(depth_of(Part(shape, EYE), wall), 3.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("shape", [Cuboid((1, 1, 1)), Cylinder(0.5, 1), Sphere(0.5)])
-def test_a_solid_behind_is_not_seen(shape: Shape) -> None:
+def test_a_solid_behind_is_not_seen(shape):
     assert np.isinf(depth_of(Part(shape, (-2, 0, 0.3)))).all()
 
 
-def test_a_wall_beside_that_reaches_behind_is_seen_to_where_it_ends() -> None:
+def test_a_wall_beside_that_reaches_behind_is_seen_to_where_it_ends():
     # Its face is 1 m to the left; the column's ray (1, -x) meets it at depth -1 / x.
     depth = depth_of(Part(Cuboid((20, 0.2, 50)), (0, 1.1, 0)))
     x, _ = CAMERA.slopes()
@@ -133,7 +133,7 @@ def test_a_wall_beside_that_reaches_behind_is_seen_to_where_it_ends() -> None:
     np.testing.assert_allclose(depth, np.tile(expected, (121, 1)), rtol=1e-6)
 
 
-def test_the_nearest_solid_covers_the_others_in_any_order() -> None:
+def test_the_nearest_solid_covers_the_others_in_any_order():
     parts = [Part(Cuboid((0.2, 9, 9)), (4, 0, 0)), Part(Sphere(0.3), (2, 0, 0.3))]
     for order, ball in ((parts, 1), (parts[::-1], 0)):
         sight = render(solids_of(order, GREY), CAMERA, EYE, AHEAD)
@@ -145,7 +145,7 @@ def test_the_nearest_solid_covers_the_others_in_any_order() -> None:
     assert render(solids_of([], GREY), CAMERA, EYE, AHEAD).solid[-1, 0] == GROUND
 
 
-def test_a_group_that_is_placed_is_seen_where_it_is() -> None:
+def test_a_group_that_is_placed_is_seen_where_it_is():
     walls = solids_of([Part(Cuboid((0.2, 9, 9)), (6, 0, 0))], GREY)
     robot = solids_of([Part(Cylinder(0.2, 0.4), (0.3, 0, 0.1), from_euler(0.2, 0, 0))])
     rotation = from_euler(0.1, 0.2, 2.0)
@@ -160,7 +160,7 @@ def test_a_group_that_is_placed_is_seen_where_it_is() -> None:
     np.testing.assert_allclose(back.centres[1], (0.3, 0, 0.1), atol=1e-12)
 
 
-def test_an_empty_world_is_all_sky() -> None:
+def test_an_empty_world_is_all_sky():
     sight = render(solids_of([]), CAMERA, EYE, AHEAD)
 
     assert np.isinf(sight.depth).all()
@@ -169,7 +169,7 @@ def test_an_empty_world_is_all_sky() -> None:
 
 @pytest.mark.parametrize("lost", [math.nan, math.inf, 1e300])
 @pytest.mark.parametrize("shape", [Cuboid((1, 1, 1)), Cylinder(0.5, 1), Sphere(0.5)])
-def test_a_body_that_is_lost_is_not_seen_and_hides_nothing(shape: Shape, lost: float) -> None:
+def test_a_body_that_is_lost_is_not_seen_and_hides_nothing(shape, lost):
     wall = Part(Cuboid((0.2, 50, 50)), (3.1, 0, 0))
 
     np.testing.assert_allclose(depth_of(Part(shape, (lost, 0, 0)), wall), 3.0, atol=1e-6)
@@ -193,9 +193,7 @@ SMALL = Camera(48, 36, 1.2)
 
 @settings(max_examples=60, deadline=None)
 @given(worlds, positions, rotations)
-def test_any_picture_is_what_rays_cast_one_by_one_see(
-    parts: list[Part], eye: Vector, rotation: Quaternion
-) -> None:
+def test_any_picture_is_what_rays_cast_one_by_one_see(parts, eye, rotation):
     solids = solids_of(parts, GREY)
     depth = render(solids, SMALL, eye, rotation).depth
     alone = render(solids, SMALL, eye, rotation, only_depth=True).depth
@@ -209,9 +207,7 @@ def test_any_picture_is_what_rays_cast_one_by_one_see(
 
 @settings(max_examples=60, deadline=None)
 @given(worlds, positions, rotations)
-def test_an_outline_holds_every_pixel_of_its_solid(
-    parts: list[Part], eye: Vector, rotation: Quaternion
-) -> None:
+def test_an_outline_holds_every_pixel_of_its_solid(parts, eye, rotation):
     found = {}
     for outline in pixel_bounds(solids_of(parts).seen_from(eye, rotation), SMALL):
         found[outline.number] = outline
@@ -225,7 +221,7 @@ def test_an_outline_holds_every_pixel_of_its_solid(
             assert columns.max() < outline.right
 
 
-def test_float32_is_good_to_a_hundredth_of_a_millimetre_within_8_metres() -> None:
+def test_float32_is_good_to_a_hundredth_of_a_millimetre_within_8_metres():
     random = np.random.default_rng(4)
     errors = []
     for _ in range(6):

@@ -7,7 +7,7 @@ import pytest
 from fixtures.plain_rays import cast
 
 from lcmtools_sim.geometry import from_euler
-from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.vision.scan import Scanner
 from lcmtools_sim.vision.solids import solids_of
 
@@ -39,12 +39,7 @@ FAR_ABOVE = (3.0, -2.0, 100.0)  # out of reach of the ground
         (Sphere(2), (1, 0, 0), (1, 0, 0), INF),
     ],
 )
-def test_a_ray_goes_to_the_first_surface(
-    shape: Shape,
-    origin: tuple[float, ...],
-    direction: tuple[float, ...],
-    distance: float,
-) -> None:
+def test_a_ray_goes_to_the_first_surface(shape, origin, direction, distance):
     rotation = from_euler(0.3, -0.7, 2.0)
     body = solids_of([Part(shape)])
     start = solids_of([Part(shape, origin)]).placed(FAR_ABOVE, rotation).centres[0]
@@ -59,7 +54,7 @@ def test_a_ray_goes_to_the_first_surface(
     assert cast(body, origin, [direction]) == pytest.approx([distance], abs=1e-12)
 
 
-def test_a_laser_in_a_square_room_measures_the_walls() -> None:
+def test_a_laser_in_a_square_room_measures_the_walls():
     walls = [((2.1, 0, 1), (0.2, 5, 1)), ((-2.1, 0, 1), (0.2, 5, 1))]
     walls += [((0, 2.1, 1), (5, 0.2, 1)), ((0, -2.1, 1), (5, 0.2, 1))]
     room = solids_of([Part(Cuboid(size), place) for place, size in walls])

@@ -6,22 +6,21 @@ import numpy as np
 import pytest
 from fixtures.plain_rays import cast
 
-from lcmtools_sim.geometry import Quaternion, Vector, from_euler
-from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Shape, Sphere
+from lcmtools_sim.geometry import from_euler
+from lcmtools_sim.shapes import Cuboid, Cylinder, Part, Sphere
 from lcmtools_sim.vision.scan import Scanner
-from lcmtools_sim.vision.solids import Floats, PlacedSolids, Solids, joined, matrix, solids_of
+from lcmtools_sim.vision.solids import joined, matrix, solids_of
 
 LONGEST = 10.0
-LEVEL: Quaternion = (0.0, 0.0, 0.0, 1.0)
+LEVEL = (0.0, 0.0, 0.0, 1.0)
 HERE = (0.0, 0.0, 0.0), LEVEL
 EYE = (0.3, 0.2, 0.4)
 CIRCLE = np.linspace(-math.pi, math.pi, 721)
 
-Shapes = tuple[type[Shape], ...]
-ALL: Shapes = (Cuboid, Cylinder, Sphere)
+ALL = (Cuboid, Cylinder, Sphere)
 
 
-def clutter(random: np.random.Generator, count: int, shapes: Shapes = ALL) -> list[Part]:
+def clutter(random, count, shapes=ALL):
     """Solids of any size near and far; one in three stands upright."""
     parts = []
     for number in range(count):
@@ -34,16 +33,14 @@ def clutter(random: np.random.Generator, count: int, shapes: Shapes = ALL) -> li
     return parts
 
 
-def rays(angles: Floats, rotation: Quaternion) -> Floats:
+def rays(angles, rotation):
     """Directions in the world."""
     return np.stack((np.cos(angles), np.sin(angles), 0 * angles), axis=1) @ matrix(rotation).T
 
 
-def check(
-    angles: Floats, eye: Vector, tilt: Quaternion, *groups: tuple[Solids, Vector, Quaternion]
-) -> Floats:
+def check(angles, eye, tilt, *groups):
     """Compare a scan with single rays; return it."""
-    standing: list[PlacedSolids] = [(solids, *pose) for solids, *pose in groups]
+    standing = [(solids, *pose) for solids, *pose in groups]
     distances = Scanner(angles, LONGEST).scan(eye, tilt, standing)
     world = joined(solids_of([], (0, 0, 0)), *(solids.placed(*pose) for solids, *pose in groups))
     expected = cast(world, eye, rays(angles, tilt), LONGEST)
@@ -53,7 +50,7 @@ def check(
 
 @pytest.mark.parametrize("tilt", [0.0, 1e-7, 0.3, 3.0])
 @pytest.mark.parametrize("seed", range(10))
-def test_it_agrees_with_single_rays(seed: int, tilt: float) -> None:
+def test_it_agrees_with_single_rays(seed, tilt):
     random = np.random.default_rng(seed)
     fixed, body = solids_of(clutter(random, 24)), solids_of(clutter(random, 5))
     pose = (1.0, -2.0, 0.3), from_euler(0.1, 0.2, 2.0)
@@ -66,9 +63,7 @@ def test_it_agrees_with_single_rays(seed: int, tilt: float) -> None:
 
 @pytest.mark.parametrize("shape", ALL)
 @pytest.mark.parametrize("seed", range(5))
-def test_it_agrees_in_a_crowd_where_the_eye_is_inside_of_some(
-    seed: int, shape: type[Shape]
-) -> None:
+def test_it_agrees_in_a_crowd_where_the_eye_is_inside_of_some(seed, shape):
     random = np.random.default_rng(seed)
     crowd = solids_of(clutter(random, 300, (shape,)))
     eye = tuple(crowd.centres[seed] + crowd.half_sizes[seed] * random.uniform(-0.5, 0.5, 3))
@@ -79,7 +74,7 @@ def test_it_agrees_in_a_crowd_where_the_eye_is_inside_of_some(
 
 
 @pytest.mark.parametrize("shape", ALL)
-def test_it_agrees_where_the_eye_is_above_below_and_beside_a_solid(shape: type[Shape]) -> None:
+def test_it_agrees_where_the_eye_is_above_below_and_beside_a_solid(shape):
     """As the plane meets it: only the top, only a side, both, through the eye's own column."""
     random = np.random.default_rng(0)
     solid = {Cuboid: Cuboid((1, 2, 0.6)), Cylinder: Cylinder(0.7, 0.6), Sphere: Sphere(0.6)}[shape]
@@ -102,7 +97,7 @@ def test_it_agrees_where_the_eye_is_above_below_and_beside_a_solid(shape: type[S
         (-6.2, -0.1, 777),
     ],
 )
-def test_it_agrees_for_any_fan_of_rays(first: float, last: float, count: int) -> None:
+def test_it_agrees_for_any_fan_of_rays(first, last, count):
     random = np.random.default_rng(1)
     world = solids_of(clutter(random, 40))
 
@@ -111,7 +106,7 @@ def test_it_agrees_for_any_fan_of_rays(first: float, last: float, count: int) ->
     assert count < 5 or 0 < np.isfinite(distances).mean() < 1
 
 
-def test_a_scanner_sees_what_moves_comes_and_goes() -> None:
+def test_a_scanner_sees_what_moves_comes_and_goes():
     random, scanner = np.random.default_rng(2), Scanner(CIRCLE, LONGEST)
     body, other = (solids_of(clutter(random, 6)) for _ in range(2))
     groups = body, other
@@ -133,11 +128,9 @@ def test_a_scanner_sees_what_moves_comes_and_goes() -> None:
 
 @pytest.mark.parametrize("angles", [CIRCLE, np.linspace(2.0, -2.0, 300)])
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
-def test_many_scanners_together_see_to_the_bit_what_each_alone_sees(
-    angles: Floats, tilt: float
-) -> None:
+def test_many_scanners_together_see_to_the_bit_what_each_alone_sees(angles, tilt):
     random, scanner = np.random.default_rng(3), Scanner(angles, LONGEST)
-    bodies: list[PlacedSolids] = [(solids_of(clutter(random, 24)), *HERE)]
+    bodies = [(solids_of(clutter(random, 24)), *HERE)]
     for number in range(40):
         position = tuple(random.uniform(-20, 20, 3).tolist())
         turn = from_euler(*random.uniform(-3, 3, 3).tolist())
@@ -156,23 +149,23 @@ def test_many_scanners_together_see_to_the_bit_what_each_alone_sees(
         np.testing.assert_array_equal(one, scanner.scan(tuple(eye), turn, others))
 
 
-def look(*parts: Part, eye: Vector = (0.0, 0.0, 0.5)) -> Floats:
+def look(*parts, eye=(0.0, 0.0, 0.5)):
     return Scanner(CIRCLE, LONGEST).scan(eye, LEVEL, [(solids_of(parts), *HERE)])
 
 
-def test_nothing_is_infinitely_far() -> None:
+def test_nothing_is_infinitely_far():
     assert np.isposinf(look()).all()
     assert np.isposinf(Scanner(CIRCLE, LONGEST).scan(EYE, LEVEL, [])).all()
 
 
-def test_a_body_that_the_engine_has_lost_is_not_seen() -> None:
+def test_a_body_that_the_engine_has_lost_is_not_seen():
     lost = (math.nan, 0.0, 0.0), LEVEL
     group = solids_of([Part(Cuboid((1.0, 1.0, 1.0)))])
 
     assert np.isposinf(Scanner(CIRCLE, LONGEST).scan(EYE, LEVEL, [(group, *lost)])).all()
 
 
-def test_a_solid_around_the_eye_is_not_seen_and_what_is_behind_it_is() -> None:
+def test_a_solid_around_the_eye_is_not_seen_and_what_is_behind_it_is():
     wall = Part(Cuboid((0.2, 40.0, 2.0)), (4.1, 0.0, 1.0))
     for shape in (Cuboid((0.4, 0.4, 0.4)), Cylinder(0.2, 0.4), Sphere(0.2)):
         distances = look(Part(shape, (0.0, 0.0, 0.5)), wall)
@@ -183,17 +176,17 @@ def test_a_solid_around_the_eye_is_not_seen_and_what_is_behind_it_is() -> None:
 
 @pytest.mark.parametrize("shape", [Cuboid((1.0, 1.0, 1.0)), Cylinder(0.5, 1.0), Sphere(0.5)])
 @pytest.mark.parametrize("gap", [0.0, 1e-10, -1e-10])
-def test_an_eye_that_touches_a_side_is_inside_it(shape: Shape, gap: float) -> None:
+def test_an_eye_that_touches_a_side_is_inside_it(shape, gap):
     assert np.isposinf(look(Part(shape, (0.5 + gap, 0.0, 0.5)))).all()
 
 
-def test_an_eye_in_the_plane_of_a_side_looks_along_it() -> None:
+def test_an_eye_in_the_plane_of_a_side_looks_along_it():
     row = [Part(Cuboid((1.0, 2.0, 1.0)), (x, 1.0, 0.5)) for x in (0.0, 3.0)]
 
     assert look(*row)[361] == pytest.approx(2.5, abs=1e-3)
 
 
-def test_no_ray_slips_through_where_two_boxes_meet() -> None:
+def test_no_ray_slips_through_where_two_boxes_meet():
     """The seam between each two lies exactly in a ray, as does each edge of a box."""
     for size in (0.25, 0.5, 1.0):
         wall = [Part(Cuboid((2.0, size, 1.0)), (5.0, y * size, 0.5)) for y in range(-20, 21)]
@@ -205,7 +198,7 @@ def test_no_ray_slips_through_where_two_boxes_meet() -> None:
         assert distances == pytest.approx(4 / np.cos(seams), abs=1e-9)
 
 
-def test_the_edge_of_a_box_towards_the_eye_is_seen() -> None:
+def test_the_edge_of_a_box_towards_the_eye_is_seen():
     for yaw in np.linspace(0.1, 1.4, 27).tolist():
         box = Part(Cuboid((1.0, 1.0, 1.0)), (4.0, 0.0, 0.5), from_euler(0, 0, yaw))
         corner = matrix(from_euler(0, 0, yaw)) @ (-0.5, 0.5, 0.0) + (4.0, 0.0, 0.0)
@@ -218,14 +211,14 @@ def test_the_edge_of_a_box_towards_the_eye_is_seen() -> None:
         assert distances[0] == pytest.approx(math.hypot(*corner[:2]), abs=1e-9)
 
 
-def test_what_is_above_or_below_the_scans_plane_is_not_hit() -> None:
+def test_what_is_above_or_below_the_scans_plane_is_not_hit():
     low = Part(Cuboid((0.2, 4.0, 0.4)), (2.0, 0.0, 0.2))
     high = Part(Cylinder(0.5, 0.4), (3.0, 0.0, 0.8))
 
     assert np.isposinf(look(low, high)).all()
 
 
-def test_the_longest_distance_counts() -> None:
+def test_the_longest_distance_counts():
     walls = [Part(Cuboid((0.2, 0.4, 1.0)), (x, 0.0, 0.5)) for x in (10.05, -10.15)]
 
     distances = look(*walls)
@@ -234,7 +227,7 @@ def test_the_longest_distance_counts() -> None:
     assert np.isposinf(distances[0])
 
 
-def test_the_ground_is_hit_by_rays_that_point_down() -> None:
+def test_the_ground_is_hit_by_rays_that_point_down():
     distances = Scanner(CIRCLE, LONGEST).scan((0.0, 0.0, 0.5), from_euler(0.0, 0.1, 0.0), [])
 
     assert distances[360] == pytest.approx(0.5 / math.sin(0.1))

@@ -210,7 +210,7 @@ MISTAKES |= {
 
 
 @pytest.mark.parametrize(("text", "message"), MISTAKES.items(), ids=[t[-60:] for t in MISTAKES])
-def test_a_mistake_is_said_with_file_line_and_reason(text: str, message: str) -> None:
+def test_a_mistake_is_said_with_file_line_and_reason(text, message):
     with pytest.raises(InvalidFile) as caught:
         read_scene(text, "yard.yaml")
 
@@ -225,20 +225,20 @@ def test_a_mistake_is_said_with_file_line_and_reason(text: str, message: str) ->
         ("robots:\n- {model: husky, namespace: ~a}", "yard.yaml:2: '~a' is private"),
     ],
 )
-def test_an_illegal_name_is_said_with_its_rule(text: str, start: str) -> None:
+def test_an_illegal_name_is_said_with_its_rule(text, start):
     with pytest.raises(InvalidFile) as caught:
         read_scene(text, "yard.yaml")
 
     assert str(caught.value).startswith(start)
 
 
-def test_a_file_that_says_nothing_has_the_defaults() -> None:
+def test_a_file_that_says_nothing_has_the_defaults():
     assert read_scene("objects: []", "plain.yaml") == Scene(
         name="plain", node="sim", seed=0, dt=1 / 240, gravity=9.81, ground=Ground()
     )
 
 
-def test_a_full_file_becomes_a_scene() -> None:
+def test_a_full_file_becomes_a_scene():
     text = """
 node: morse
 seed: 7
@@ -267,7 +267,7 @@ robots:
     )
 
 
-def test_a_closed_wall_has_a_piece_for_every_side_and_overlaps_at_the_corners() -> None:
+def test_a_closed_wall_has_a_piece_for_every_side_and_overlaps_at_the_corners():
     text = """
 objects:
 - {type: walls, points: [[0, 0], [4, 0], [4, 3]], closed: true, height: 2, thickness: 0.5}
@@ -282,12 +282,12 @@ objects:
     assert all(piece.mass == 0 for piece in pieces)
 
 
-def test_an_alias_that_leads_back_to_itself_is_refused() -> None:
+def test_an_alias_that_leads_back_to_itself_is_refused():
     with pytest.raises(InvalidFile, match=r"w.yaml:1: not YAML: unknown alias '\*all'"):
         read_scene("objects: &all [*all]", "w.yaml")
 
 
-def test_the_comment_on_sensors_in_the_husky_world_is_right_when_it_counts() -> None:
+def test_the_comment_on_sensors_in_the_husky_world_is_right_when_it_counts():
     text, source = find_world("husky")
     sensors = [
         line for line in text.splitlines() if line.startswith(("    # sensors:", "    #   - "))

@@ -13,7 +13,7 @@ robots:
 """
 
 
-def test_a_sensor_with_a_rate_above_that_of_the_steps_is_noted() -> None:
+def test_a_sensor_with_a_rate_above_that_of_the_steps_is_noted():
     assert read_scene(WORLD, "yard.yaml").notes == (
         "yard.yaml:3: scan of /a cannot have 1000 Hz: there are 240 steps a second",
     )

@@ -3,7 +3,6 @@
 import importlib
 import subprocess
 import sys
-from typing import Any
 
 from lcmtools.types.fingerprints import FINGERPRINTS, SERVICES
 from lcmtools.types.service import Service
@@ -55,28 +54,28 @@ EXPECTED_NAMES = {
 }
 
 
-def class_of(name: str) -> Any:
+def class_of(name):
     package, _, struct = name.partition("/")
     return getattr(importlib.import_module(f"lcmtools.types.{package}"), struct)
 
 
-def run_python(program: str) -> str:
+def run_python(program):
     command = [sys.executable, "-c", program]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def test_packages_are_the_expected_ones() -> None:
+def test_packages_are_the_expected_ones():
     assert set(EXPECTED_NAMES) == set(PACKAGES)
 
 
-def test_packages_hold_the_expected_types() -> None:
+def test_packages_hold_the_expected_types():
     names = [
         f"{package}/{name}" for package, text in EXPECTED_NAMES.items() for name in text.split()
     ]
     assert list(FINGERPRINTS) == names
 
 
-def test_new_messages_survive_the_wire() -> None:
+def test_new_messages_survive_the_wire():
     for name, fingerprint in FINGERPRINTS.items():
         cls = class_of(name)
         payload = cls().encode()
@@ -84,12 +83,12 @@ def test_new_messages_survive_the_wire() -> None:
         assert cls.decode(payload).encode() == payload, name
 
 
-def test_tables_of_a_class_are_equally_long() -> None:
+def test_tables_of_a_class_are_equally_long():
     for cls in map(class_of, FINGERPRINTS):
         assert len(cls.__slots__) == len(cls.__typenames__) == len(cls.__dimensions__), cls
 
 
-def test_arrays_of_bytes_have_a_variable_length() -> None:
+def test_arrays_of_bytes_have_a_variable_length():
     # lcm-gen makes b"" of a fixed one, which encodes to a message too short to decode.
     for cls in map(class_of, FINGERPRINTS):
         for kind, dimensions in zip(cls.__typenames__, cls.__dimensions__, strict=True):
@@ -97,7 +96,7 @@ def test_arrays_of_bytes_have_a_variable_length() -> None:
                 assert all(isinstance(size, str) for size in dimensions), cls
 
 
-def test_values_survive_the_wire() -> None:
+def test_values_survive_the_wire():
     from lcmtools.types.sensor_msgs import JointState
 
     sent = JointState()
@@ -112,13 +111,13 @@ def test_values_survive_the_wire() -> None:
     assert received.effort == (0.5, -0.5)
 
 
-def test_services_are_pairs_of_a_request_and_a_response() -> None:
+def test_services_are_pairs_of_a_request_and_a_response():
     requests = (name for name in FINGERPRINTS if name.endswith("_Request"))
     assert tuple(name.removesuffix("_Request") for name in requests) == SERVICES
     assert {"std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger"} <= set(SERVICES)
 
 
-def test_service_pairs_its_request_with_its_response() -> None:
+def test_service_pairs_its_request_with_its_response():
     for name in SERVICES:
         pair = class_of(name)
         assert issubclass(pair, Service), name
@@ -126,7 +125,7 @@ def test_service_pairs_its_request_with_its_response() -> None:
         assert pair.Response is class_of(f"{name}_Response")
 
 
-def test_importing_the_room_imports_no_type() -> None:
+def test_importing_the_room_imports_no_type():
     program = """
 import sys, lcmtools.types.fingerprints
 print(sorted(name for name in sys.modules if name.startswith("lcmtools.types")))
@@ -134,7 +133,7 @@ print(sorted(name for name in sys.modules if name.startswith("lcmtools.types")))
     assert run_python(program) == "['lcmtools.types', 'lcmtools.types.fingerprints']\n"
 
 
-def test_importing_a_package_imports_only_what_it_needs() -> None:
+def test_importing_a_package_imports_only_what_it_needs():
     program = """
 import sys, lcmtools.types.geometry_msgs
 print(sorted({name.split(".")[2] for name in sys.modules if name.startswith("lcmtools.types.")}))
@@ -143,7 +142,7 @@ print("lcm" in sys.modules)
     assert run_python(program) == "['geometry_msgs', 'std_msgs']\nFalse\n"
 
 
-def test_comment_of_a_field_reaches_the_class() -> None:
+def test_comment_of_a_field_reaches_the_class():
     import inspect
 
     from lcmtools.types.geometry_msgs import Twist

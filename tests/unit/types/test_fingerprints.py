@@ -67,26 +67,26 @@ WIRE_FORMAT = {
 }
 
 
-def test_types_have_the_fingerprints_of_the_wire_format() -> None:
+def test_types_have_the_fingerprints_of_the_wire_format():
     assert {name: FINGERPRINTS[name] for name in WIRE_FORMAT} == WIRE_FORMAT
 
 
-def test_table_holds_what_the_class_itself_says() -> None:
+def test_table_holds_what_the_class_itself_says():
     for name, fingerprint in FINGERPRINTS.items():
         package, _, struct = name.partition("/")
         cls = getattr(importlib.import_module(f"lcmtools.types.{package}"), struct)
         assert cls().get_hash() == fingerprint, name
 
 
-def test_table_is_sorted_and_unsigned() -> None:
+def test_table_is_sorted_and_unsigned():
     assert list(FINGERPRINTS) == sorted(FINGERPRINTS)
     assert all(0 < number < 2**64 for number in FINGERPRINTS.values())
 
 
-def test_types_with_equal_fields_share_a_fingerprint() -> None:
+def test_types_with_equal_fields_share_a_fingerprint():
     assert FINGERPRINTS["geometry_msgs/Point"] == FINGERPRINTS["geometry_msgs/Vector3"]
     assert FINGERPRINTS["geometry_msgs/Twist"] == FINGERPRINTS["geometry_msgs/Accel"]
 
 
-def test_ros_1_and_ros_2_times_are_told_apart() -> None:
+def test_ros_1_and_ros_2_times_are_told_apart():
     assert FINGERPRINTS["std_msgs/Time"] != FINGERPRINTS["builtin_interfaces/Time"]

@@ -14,13 +14,13 @@ MEMBER = re.compile(r" {4}(const )?(\w[\w.]*) (\w+)(?: = \S+|((?:\[\w+\])*));")
 WITHOUT_UNIT = ("std_msgs/", "geometry_msgs/Vector3.lcm", "sensor_msgs/ChannelFloat32.lcm")
 
 
-def members(lines: list[str]) -> list[tuple[int, re.Match[str]]]:
+def members(lines):
     """Return the members of a struct with the numbers of their lines."""
     matches = ((number, MEMBER.fullmatch(line)) for number, line in enumerate(lines))
     return [(number, match) for number, match in matches if match]
 
 
-def comment_above(lines: list[str], number: int) -> str:
+def comment_above(lines, number):
     """Return the comment that stands right above a line, "" for none."""
     first = number
     while lines[first - 1].lstrip().startswith("//"):
@@ -28,26 +28,26 @@ def comment_above(lines: list[str], number: int) -> str:
     return " ".join(line.strip().removeprefix("//").strip() for line in lines[first:number])
 
 
-def test_file_holds_the_struct_that_it_is_named_for() -> None:
+def test_file_holds_the_struct_that_it_is_named_for():
     for name, lines in FILES.items():
         package, struct = name.removesuffix(".lcm").split("/")
         assert lines[0] == f"package {package};"
         assert [line for line in lines if line.split()[:1] == ["struct"]] == [f"struct {struct}"]
 
 
-def test_struct_says_what_it_is() -> None:
+def test_struct_says_what_it_is():
     for name, lines in FILES.items():
         struct = next(i for i, line in enumerate(lines) if line.startswith("struct "))
         assert comment_above(lines, struct).endswith("."), name
 
 
-def test_every_member_has_a_comment_above_it() -> None:
+def test_every_member_has_a_comment_above_it():
     for name, lines in FILES.items():
         bare = [lines[number] for number, _ in members(lines) if not comment_above(lines, number)]
         assert bare == [], name
 
 
-def test_every_line_is_a_member_or_a_comment_of_its_own() -> None:
+def test_every_line_is_a_member_or_a_comment_of_its_own():
     # lcm-gen would give a comment behind a member to the next one.
     for name, lines in FILES.items():
         body = lines[lines.index("{") + 1 : lines.index("}")]
@@ -55,7 +55,7 @@ def test_every_line_is_a_member_or_a_comment_of_its_own() -> None:
         assert [line for line in others if not MEMBER.fullmatch(line)] == [], name
 
 
-def test_numbers_of_a_quantity_have_their_unit() -> None:
+def test_numbers_of_a_quantity_have_their_unit():
     for name, lines in FILES.items():
         comments = {
             match[3]: comment_above(lines, number)
@@ -67,7 +67,7 @@ def test_numbers_of_a_quantity_have_their_unit() -> None:
             assert without == [], name
 
 
-def test_lengths_come_first_and_are_named_for_their_arrays() -> None:
+def test_lengths_come_first_and_are_named_for_their_arrays():
     for name, lines in FILES.items():
         fields = [match for _, match in members(lines) if not match[1]]
         arrays = [match[3] for match in fields if match[4] and not match[4][1:-1].isdigit()]

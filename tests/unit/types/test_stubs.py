@@ -10,7 +10,7 @@ from lcmtools.types.fingerprints import FINGERPRINTS
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def annotations(name: str) -> dict[str, str]:
+def annotations(name):
     """Return what the stub of a type says of each field."""
     module = ast.parse((ROOT / "lcmtools" / "types" / f"{name}.pyi").read_text())
     struct = next(node for node in module.body if isinstance(node, ast.ClassDef))
@@ -22,7 +22,7 @@ def annotations(name: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", FINGERPRINTS)
-def test_stub_names_the_fields_of_the_class(name: str) -> None:
+def test_stub_names_the_fields_of_the_class(name):
     source = ast.parse((ROOT / "lcmtools" / "types" / f"{name}.py").read_text())
     struct = next(node for node in source.body if isinstance(node, ast.ClassDef))
     slots = next(node for node in struct.body if isinstance(node, ast.Assign))
@@ -51,5 +51,5 @@ def test_stub_names_the_fields_of_the_class(name: str) -> None:
         ("lcmtools_msgs/ServiceReply", "OK", "Final"),
     ],
 )
-def test_field_has_its_python_type(name: str, field: str, expected: str) -> None:
+def test_field_has_its_python_type(name, field, expected):
     assert annotations(name)[field] == expected

@@ -11,7 +11,7 @@ from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
 _ATOMS = st.sampled_from(["a", "b", "/", ".", "[ab]", "[^a]", r"\.", r"\w", r"\/", "^", "$"])
 
 
-def _larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+def _larger(inner):
     return st.one_of(
         st.lists(inner, max_size=3).map("".join),
         st.lists(inner, min_size=2, max_size=3).map(lambda parts: f"({'|'.join(parts)})"),
@@ -24,7 +24,7 @@ def _larger(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 
 
 @given(st.recursive(_ATOMS, _larger, max_leaves=6), st.text("ab/.", max_size=6))
-def test_a_pattern_matches_what_python_matches(pattern: str, name: str) -> None:
+def test_a_pattern_matches_what_python_matches(pattern, name):
     expected = re.fullmatch(f"(?:{pattern})", name, re.ASCII) is not None
     assert ChannelPattern(pattern).matches(name) == expected
 
@@ -42,21 +42,19 @@ def test_a_pattern_matches_what_python_matches(pattern: str, name: str) -> None:
         ("é*", "éé", "e"),
     ],
 )
-def test_a_pattern_is_read_as_servers_of_lcm_read_it(
-    pattern: str, matching: str, other: str
-) -> None:
+def test_a_pattern_is_read_as_servers_of_lcm_read_it(pattern, matching, other):
     read = ChannelPattern(pattern)
     assert (read.matches(matching), read.matches(other)) == (True, False)
 
 
 @pytest.mark.parametrize("pattern", ["(a*)*b", "(a|a)*b", "((a{1,9}){1,9}){1,9}b", ".*.*.*.*.*.*b"])
-def test_no_pattern_takes_exponential_time(pattern: str) -> None:
+def test_no_pattern_takes_exponential_time(pattern):
     assert not ChannelPattern(pattern).matches("a" * 63)  # for ever, where every way is tried
 
 
 @pytest.mark.parametrize(
     "pattern", ["(", ")", "a**", "*", "[a", "a{", r"(a)\1", "(?<=a)b", "a++", "[a&&b]", "(" * 99]
 )
-def test_what_is_not_supported_is_refused(pattern: str) -> None:
+def test_what_is_not_supported_is_refused(pattern):
     with pytest.raises(PatternError, match="is not supported from character"):
         ChannelPattern(pattern)

@@ -9,7 +9,7 @@ SECOND = 1_000_000_000
 
 
 @given(st.integers(-(2**62), 2**62))
-def test_what_waited_for_a_second_is_late_whatever_the_clocks_are(offset: int) -> None:
+def test_what_waited_for_a_second_is_late_whatever_the_clocks_are(offset):
     lateness = Lateness()
     ways = [0.05, 0.02, 0.9, 1.05, 2.5, 1.5, 0.8, 1.03]  # [s], one message each tenth of a second
     late = [
@@ -19,14 +19,14 @@ def test_what_waited_for_a_second_is_late_whatever_the_clocks_are(offset: int) -
     assert late == [False, False, False, True, True, True, False, True]
 
 
-def test_clocks_that_drift_apart_make_nothing_late() -> None:
+def test_clocks_that_drift_apart_make_nothing_late():
     lateness = Lateness()
     sent = [number * SECOND for number in range(10_000)]
     assert not any(lateness.is_late(time, time + time // 2000) for time in sent)
     assert lateness.is_late(sent[-1] + SECOND, sent[-1] + sent[-1] // 2000 + 3 * SECOND)
 
 
-def test_messages_that_wait_are_late_for_as_long_as_they_do() -> None:
+def test_messages_that_wait_are_late_for_as_long_as_they_do():
     lateness = Lateness()
     lateness.is_late(0, 0)
     assert not lateness.is_doubtful
@@ -38,7 +38,7 @@ def test_messages_that_wait_are_late_for_as_long_as_they_do() -> None:
     assert not lateness.is_late(66 * SECOND, 66 * SECOND + SECOND // 2)
 
 
-def test_an_answer_tells_that_a_clock_was_set() -> None:
+def test_an_answer_tells_that_a_clock_was_set():
     lateness = Lateness()
     lateness.is_late(0, 0)
     late = [lateness.is_late(time * SECOND, (time + 100) * SECOND) for time in range(1, 9)]

@@ -1,7 +1,5 @@
 """From datagrams to messages and the graph, whatever the bytes are."""
 
-from collections.abc import Sequence
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,7 +15,7 @@ from lcmtools.graph.protocol import (
     encode_probe,
 )
 from lcmtools.wire.datagram import fragments, short_message
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Sender
 from lcmtools.wire.reader import Reader
 from lcmtools.wire.reassembly import INCOMPLETE
 
@@ -32,13 +30,13 @@ SEEDS = [
 ]
 
 
-def read(reader: Reader, datagrams: Sequence[bytes]) -> list[Packet]:
+def read(reader, datagrams):
     packets = [reader.read(data, SENDER, time) for time, data in enumerate(datagrams)]
     return [packet for packet in packets if packet is not None]
 
 
 @st.composite
-def datagrams(draw: st.DrawFn) -> bytes:
+def datagrams(draw):
     """Any bytes, or a good datagram with some of them changed, or cut short."""
     if draw(st.booleans()):
         return draw(st.binary(max_size=200))
@@ -50,7 +48,7 @@ def datagrams(draw: st.DrawFn) -> bytes:
 
 @pytest.mark.parametrize("way", ["whole", "heads"])
 @given(received=st.lists(datagrams(), max_size=30))
-def test_no_bytes_harm_the_way_from_datagram_to_graph(way: str, received: list[bytes]) -> None:
+def test_no_bytes_harm_the_way_from_datagram_to_graph(way, received):
     reader, builder = Reader(whole=way == "whole"), GraphBuilder()
     for packet in read(reader, received):
         assert packet.size >= len(packet.payload)
@@ -62,13 +60,13 @@ def test_no_bytes_harm_the_way_from_datagram_to_graph(way: str, received: list[b
     assert all(sequence.lost >= 0 for sequence in reader.sequences.values())
 
 
-def test_heads_are_of_first_fragments_alone() -> None:
+def test_heads_are_of_first_fragments_alone():
     (packet,) = read(Reader(whole=False), SEEDS[-3:])
     assert (packet.channel, packet.size) == ("/image", 150_000)
     assert len(packet.payload) < 2000
 
 
-def test_announcements_are_whole_where_heads_are_enough_for_others() -> None:
+def test_announcements_are_whole_where_heads_are_enough_for_others():
     reader = Reader(whole=False)
     assert not reader.needs_all
     (packet,) = read(reader, SEEDS[3:5])
@@ -76,7 +74,7 @@ def test_announcements_are_whole_where_heads_are_enough_for_others() -> None:
     assert reader.needs_all
 
 
-def test_senders_of_nonsense_are_bounded() -> None:
+def test_senders_of_nonsense_are_bounded():
     reader = Reader(whole=False)
     for port in range(5000):
         reader.read(b"nonsense", Sender("10.0.0.1", port), 0)
@@ -85,7 +83,7 @@ def test_senders_of_nonsense_are_bounded() -> None:
     assert counts == [1000, 4000, 4000]
 
 
-def test_only_the_channels_that_are_wanted_whole_come_whole() -> None:
+def test_only_the_channels_that_are_wanted_whole_come_whole():
     reader = Reader(whole=False, always_whole=("/image",))
     large = bytes(range(250)) * 600
     found = read(reader, [*fragments(1, "/cloud", large), *fragments(2, "/image", large)])
@@ -96,7 +94,7 @@ def test_only_the_channels_that_are_wanted_whole_come_whole() -> None:
     assert found[1].payload == large
 
 
-def test_large_messages_that_never_become_whole_are_lost() -> None:
+def test_large_messages_that_never_become_whole_are_lost():
     reader = Reader(whole=True)
     whole, parts = list(fragments(7, "/image", bytes(150_000))), []
     read(reader, whole[1:])  # it had begun before
@@ -108,7 +106,7 @@ def test_large_messages_that_never_become_whole_are_lost() -> None:
 
 
 @pytest.mark.parametrize("whole", [True, False])
-def test_the_size_of_large_messages_is_known_where_they_come_whole(*, whole: bool) -> None:
+def test_the_size_of_large_messages_is_known_where_they_come_whole(*, whole):
     reader = Reader(whole=whole)
     read(reader, [short_message(2, "EXAMPLE", b"12345678abc")])
     assert reader.largest_whole == 0
@@ -117,7 +115,7 @@ def test_the_size_of_large_messages_is_known_where_they_come_whole(*, whole: boo
 
 
 @pytest.mark.parametrize(("pause", "count"), [(INCOMPLETE, 1), (INCOMPLETE + 1, 0)])
-def test_what_is_incomplete_for_long_is_forgotten(pause: int, count: int) -> None:
+def test_what_is_incomplete_for_long_is_forgotten(pause, count):
     reader = Reader(whole=True)
     first, *rest = fragments(7, "/image", bytes(150_000))
     reader.read(first, SENDER, 5)

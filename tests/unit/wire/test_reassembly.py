@@ -2,7 +2,6 @@
 
 import random
 import tracemalloc
-from collections.abc import Iterable, Sequence
 from itertools import chain, zip_longest
 
 import pytest
@@ -18,24 +17,22 @@ _NAME_BYTES = len(_CHANNEL) + 1
 _ALICE, _BOB = ("10.0.0.1", 40_000), ("10.0.0.2", 40_000)
 
 
-def _cut(payload: bytes, seqno: int = 1) -> list[Fragment]:
+def _cut(payload, seqno=1):
     parts = [wire.parse(part) for part in wire.fragments(seqno, _CHANNEL, payload)]
     return [part for part in parts if isinstance(part, Fragment)]
 
 
-def _feed(
-    reassembler: Reassembler, parts: Iterable[Fragment], sender: object = _ALICE
-) -> list[ShortMessage]:
+def _feed(reassembler, parts, sender=_ALICE):
     answers = [reassembler.add(sender, part) for part in parts]
     return [answer for answer in answers if answer is not None]
 
 
-def _held(reassembler: Reassembler) -> tuple[int, int]:
+def _held(reassembler):
     """The number of incomplete messages, and the bytes kept for them."""
     return len(reassembler._incomplete), reassembler._bytes
 
 
-def _payload(size: int, seed: int = 0) -> bytes:
+def _payload(size, seed=0):
     return random.Random(seed).randbytes(size)  # noqa: S311 - a picture, no secret
 
 
@@ -52,7 +49,7 @@ def _payload(size: int, seed: int = 0) -> bytes:
         | {0, 1, 200_000, 1_000_000}
     ),
 )
-def test_a_message_of_any_size_comes_back_whole(size: int, order: str) -> None:
+def test_a_message_of_any_size_comes_back_whole(size, order):
     payload = _payload(size)
     parts = _cut(payload)
     if order == "backwards":
@@ -64,7 +61,7 @@ def test_a_message_of_any_size_comes_back_whole(size: int, order: str) -> None:
     assert _feed(Reassembler(), parts) == [ShortMessage(1, _CHANNEL, payload)]
 
 
-def test_a_message_is_cut_as_often_as_liblcm_cuts_it() -> None:
+def test_a_message_is_cut_as_often_as_liblcm_cuts_it():
     whole = wire.FRAGMENT_MAX - _NAME_BYTES
     assert len(_cut(bytes(whole))) == 1
     assert len(_cut(bytes(whole + 1))) == 2
@@ -72,7 +69,7 @@ def test_a_message_is_cut_as_often_as_liblcm_cuts_it() -> None:
     assert len(_cut(bytes(whole + wire.FRAGMENT_MAX + 1))) == 3
 
 
-def test_interleaved_senders_with_equal_numbers_stay_apart() -> None:
+def test_interleaved_senders_with_equal_numbers_stay_apart():
     reassembler = Reassembler()
     a, b = _payload(200_000, 1), _payload(200_000, 2)
     got = {}
@@ -84,14 +81,14 @@ def test_interleaved_senders_with_equal_numbers_stay_apart() -> None:
     assert got == {_ALICE: a, _BOB: b}
 
 
-def test_interleaved_messages_of_one_sender_stay_apart() -> None:
+def test_interleaved_messages_of_one_sender_stay_apart():
     a, b = _payload(200_000, 1), _payload(150_000, 2)
     mixed = chain.from_iterable(zip_longest(_cut(a, 4), _cut(b, 5)))
     got = _feed(Reassembler(), [part for part in mixed if part is not None])
     assert {message.seqno: message.payload for message in got} == {4: a, 5: b}
 
 
-def test_a_sequence_number_that_comes_again_after_the_wrap_is_a_new_message() -> None:
+def test_a_sequence_number_that_comes_again_after_the_wrap_is_a_new_message():
     reassembler = Reassembler()
     old, new = _cut(_payload(200_000, 1), 9), _payload(150_000, 2)
     assert _feed(reassembler, old[:2]) == []  # the rest was lost
@@ -100,13 +97,13 @@ def test_a_sequence_number_that_comes_again_after_the_wrap_is_a_new_message() ->
 
 
 @pytest.mark.parametrize("lost", [0, 1, 3])
-def test_a_message_with_a_lost_fragment_never_comes(lost: int) -> None:
+def test_a_message_with_a_lost_fragment_never_comes(lost):
     parts = _cut(_payload(200_000))
     del parts[lost]
     assert _feed(Reassembler(), parts) == []
 
 
-def _fragment(number: int, offset: int, part: bytes, **changes: object) -> Fragment:
+def _fragment(number, offset, part, **changes):
     values = {
         "seqno": 1,
         "message_size": 6,
@@ -129,13 +126,13 @@ def _fragment(number: int, offset: int, part: bytes, **changes: object) -> Fragm
         pytest.param([_fragment(0, 0, b""), _fragment(1, 0, b"")], id="empty"),
     ],
 )
-def test_parts_that_do_not_join_are_given_up(parts: list[Fragment]) -> None:
+def test_parts_that_do_not_join_are_given_up(parts):
     reassembler = Reassembler()
     assert _feed(reassembler, parts) == []
     assert _held(reassembler) == (0, 0)
 
 
-def test_the_same_number_with_another_size_starts_anew() -> None:
+def test_the_same_number_with_another_size_starts_anew():
     reassembler = Reassembler()
     reassembler.add(_ALICE, _fragment(1, 3, b"xyz", message_size=9, count=3))
     assert _feed(reassembler, [_fragment(0, 0, b"abc"), _fragment(1, 3, b"def")]) == [
@@ -144,7 +141,7 @@ def test_the_same_number_with_another_size_starts_anew() -> None:
     assert _held(reassembler) == (0, 0)
 
 
-def test_no_more_messages_are_kept_than_allowed() -> None:
+def test_no_more_messages_are_kept_than_allowed():
     reassembler = Reassembler(max_messages=10)
     for seqno in range(100):
         reassembler.add(_ALICE, _fragment(0, 0, b"abc", seqno=seqno))
@@ -155,7 +152,7 @@ def test_no_more_messages_are_kept_than_allowed() -> None:
     assert reassembler.add(_ALICE, lost) is None
 
 
-def test_the_message_that_was_touched_last_is_kept_longest() -> None:
+def test_the_message_that_was_touched_last_is_kept_longest():
     reassembler = Reassembler(max_messages=2)
     for seqno in (1, 2):
         reassembler.add(_ALICE, _fragment(0, 0, b"abc", seqno=seqno, count=3))
@@ -165,14 +162,14 @@ def test_the_message_that_was_touched_last_is_kept_longest() -> None:
     assert reassembler.add(_ALICE, last) == ShortMessage(1, "A", b"abcdef")
 
 
-def test_no_more_bytes_are_kept_than_allowed() -> None:
+def test_no_more_bytes_are_kept_than_allowed():
     reassembler = Reassembler(max_bytes=1_000_000)
     for seqno in range(50):
         _feed(reassembler, _cut(bytes(200_000), seqno)[:-1])
         assert _held(reassembler)[1] <= 1_000_000
 
 
-def _memory_of(parts: Iterable[tuple[object, Fragment]], reassembler: Reassembler) -> int:
+def _memory_of(parts, reassembler):
     """Bytes that reassembling takes at its peak."""
     tracemalloc.start()
     try:
@@ -183,7 +180,7 @@ def _memory_of(parts: Iterable[tuple[object, Fragment]], reassembler: Reassemble
         tracemalloc.stop()
 
 
-def test_a_claim_of_256_mib_allocates_nothing() -> None:
+def test_a_claim_of_256_mib_allocates_nothing():
     claims = (
         (_ALICE, _fragment(0, 0, b"x", seqno=n, message_size=wire.MESSAGE_MAX, count=65_535))
         for n in range(1000)
@@ -191,12 +188,12 @@ def test_a_claim_of_256_mib_allocates_nothing() -> None:
     assert _memory_of(claims, Reassembler()) < 2_000_000
 
 
-def test_a_flood_of_empty_parts_of_one_message_is_bounded() -> None:
+def test_a_flood_of_empty_parts_of_one_message_is_bounded():
     flood = ((_ALICE, _fragment(n, 0, b"", count=65_535, channel=None)) for n in range(1, 65_535))
     assert _memory_of(flood, Reassembler(max_bytes=1_000_000)) < 2_000_000
 
 
-def test_a_flood_of_empty_parts_across_messages_is_bounded() -> None:
+def test_a_flood_of_empty_parts_across_messages_is_bounded():
     flood = (
         (("10.0.0.1", seqno), _fragment(n, 0, b"", seqno=seqno, count=65_535, channel=None))
         for n in range(1, 100)
@@ -205,7 +202,7 @@ def test_a_flood_of_empty_parts_across_messages_is_bounded() -> None:
     assert _memory_of(flood, Reassembler(max_bytes=1_000_000)) < 2_000_000
 
 
-def test_a_message_that_is_larger_than_the_bound_leaves_nothing_behind() -> None:
+def test_a_message_that_is_larger_than_the_bound_leaves_nothing_behind():
     reassembler = Reassembler(max_bytes=100_000)
     assert _feed(reassembler, _cut(bytes(300_000))) == []
     assert _held(reassembler)[1] <= 100_000
@@ -225,9 +222,7 @@ _ANY_FRAGMENT = st.builds(
 
 @settings(max_examples=300)
 @given(st.lists(st.tuples(st.sampled_from([_ALICE, _BOB]), _ANY_FRAGMENT), max_size=60))
-def test_any_fragments_keep_the_books_straight(
-    parts: Sequence[tuple[tuple[str, int], Fragment]],
-) -> None:
+def test_any_fragments_keep_the_books_straight(parts):
     reassembler = Reassembler(max_bytes=5000, max_messages=3)
     for sender, part in parts:
         message = reassembler.add(sender, part)
@@ -240,7 +235,7 @@ def test_any_fragments_keep_the_books_straight(
 
 @settings(max_examples=50)
 @given(st.lists(st.binary(max_size=80), max_size=30))
-def test_any_datagrams_are_parsed_and_collected_without_an_exception(data: list[bytes]) -> None:
+def test_any_datagrams_are_parsed_and_collected_without_an_exception(data):
     reassembler = Reassembler()
     for datagram in data:
         parsed = wire.parse(b"LC03" + datagram)
@@ -248,7 +243,7 @@ def test_any_datagrams_are_parsed_and_collected_without_an_exception(data: list[
             reassembler.add(_ALICE, parsed)
 
 
-def test_messages_that_stay_incomplete_are_counted_if_their_channel_is_known() -> None:
+def test_messages_that_stay_incomplete_are_counted_if_their_channel_is_known():
     reassembler = Reassembler()
     first, *others = _cut(_payload(200_000))
     reassembler.add(_ALICE, first, 10)

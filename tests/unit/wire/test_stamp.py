@@ -11,7 +11,7 @@ _ORIGINS = st.builds(Origin, _IDS, _NUMBERS, st.integers(1, 255))
 
 
 @given(_IDS, _NUMBERS, _TIMES, st.none() | _ORIGINS)
-def test_stamp_comes_back(sender: int, seqno: int, time: int, origin: Origin | None) -> None:
+def test_stamp_comes_back(sender, seqno, time, origin):
     data = encode_stamp(sender, seqno, time, origin)
     assert decode_stamp(data) == Stamp(sender, seqno, time, origin or Origin(sender, seqno))
     assert len(data) == (34 if origin else 22)
@@ -19,13 +19,13 @@ def test_stamp_comes_back(sender: int, seqno: int, time: int, origin: Origin | N
 
 
 @given(st.binary(max_size=40))
-def test_other_bytes_are_no_stamp(data: bytes) -> None:
+def test_other_bytes_are_no_stamp(data):
     stamp = decode_stamp(data)
     assert (stamp is not None) == (
         data[:1] == b"\3" and len(data) >= (34 if data[1:2] > b"\0" else 22)
     )
 
 
-def test_numbers_begin_again_and_hops_do_not() -> None:
+def test_numbers_begin_again_and_hops_do_not():
     data = encode_stamp(7, 2**32 + 5, 9, Origin(8, 2**32, 300))
     assert decode_stamp(data) == Stamp(7, 5, 9, Origin(8, 0, 255))

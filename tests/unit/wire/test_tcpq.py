@@ -21,7 +21,7 @@ from lcmtools.wire.tcpq import (
 
 
 @given(st.lists(st.binary(max_size=20), max_size=4), st.lists(st.integers(0, 200)))
-def test_frames_come_whole_however_they_are_cut(payloads: list[bytes], cuts: list[int]) -> None:
+def test_frames_come_whole_however_they_are_cut(payloads, cuts):
     data = CLIENT_GREETING + b"".join(publish_frame("/ä", payload) for payload in payloads)
     reader, found = FrameReader(), []
     for start, end in pairwise(sorted({0, len(data), *(min(cut, len(data)) for cut in cuts)})):
@@ -31,7 +31,7 @@ def test_frames_come_whole_however_they_are_cut(payloads: list[bytes], cuts: lis
     ]
 
 
-def test_subscriptions_have_patterns() -> None:
+def test_subscriptions_have_patterns():
     reader = FrameReader()
     data = CLIENT_GREETING + subscribe_frame("A.*") + unsubscribe_frame("A.*")
     assert [(one.kind, one.name) for one in reader.read(data)] == [
@@ -40,13 +40,13 @@ def test_subscriptions_have_patterns() -> None:
     ]
 
 
-def _bad(data: bytes) -> str:
+def _bad(data):
     with pytest.raises(StreamError) as caught:
         list(FrameReader().read(data))
     return caught.value.what
 
 
-def test_what_is_no_tcpq_is_named() -> None:
+def test_what_is_no_tcpq_is_named():
     assert _bad(b"GET / HTTP") == "it does not speak tcpq, it begins with b'GET / HT'"
     assert _bad(b"G") == "it does not speak tcpq, it begins with b'G'"
     kind = struct.pack(">II", 9, 1)
@@ -58,7 +58,7 @@ def test_what_is_no_tcpq_is_named() -> None:
     assert "it sent a message of 268435457 bytes" in _bad(CLIENT_GREETING + large)
 
 
-def test_a_claimed_size_takes_no_memory() -> None:
+def test_a_claimed_size_takes_no_memory():
     reader = FrameReader()
     claim = struct.pack(">II", PUBLISH, 1) + b"a" + struct.pack(">I", 1 << 28)
     assert list(reader.read(CLIENT_GREETING + claim)) == []

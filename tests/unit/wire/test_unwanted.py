@@ -9,7 +9,7 @@ _IMAGES = 4000, 921_600
 _MS = 1_000_000
 
 
-def _stream(messages: UnwantedMessages, count: int, period: int = _MS, start: int = 0) -> int:
+def _stream(messages, count, period=_MS, start=0):
     """Let fragments come; return after how many their messages are denied, 0 for never."""
     for number in range(count):
         if messages.note(*_IMAGES, start + number * period):
@@ -17,35 +17,35 @@ def _stream(messages: UnwantedMessages, count: int, period: int = _MS, start: in
     return 0
 
 
-def test_a_fast_stream_is_denied() -> None:
+def test_a_fast_stream_is_denied():
     messages = UnwantedMessages()
     assert _stream(messages, 100) == 41
     assert messages.denied == [_IMAGES]
     assert not messages.note(*_IMAGES, 101 * _MS)  # what still waited
 
 
-def test_a_slow_stream_passes() -> None:
+def test_a_slow_stream_passes():
     messages = UnwantedMessages()
     assert _stream(messages, 1000, 6 * _MS) == 0
     assert _stream(messages, 30, start=9000 * _MS) == 0
     assert messages.denied == []
 
 
-def test_a_clock_that_is_set_back_begins_again() -> None:
+def test_a_clock_that_is_set_back_begins_again():
     messages = UnwantedMessages()
     _stream(messages, 40, start=10_000 * _MS)
     assert _stream(messages, 40) == 0
 
 
 @pytest.mark.parametrize("other", [(4001, 921_600), (4000, 921_601)])
-def test_ports_and_sizes_are_counted_apart(other: tuple[int, int]) -> None:
+def test_ports_and_sizes_are_counted_apart(other):
     messages = UnwantedMessages()
     assert not any(
         messages.note(*one, number * _MS) for number in range(40) for one in (_IMAGES, other)
     )
 
 
-def test_a_port_with_a_wanted_message_is_never_denied_again() -> None:
+def test_a_port_with_a_wanted_message_is_never_denied_again():
     messages = UnwantedMessages()
     _stream(messages, 41)
     messages.denied.append((4001, 5))
@@ -55,7 +55,7 @@ def test_a_port_with_a_wanted_message_is_never_denied_again() -> None:
     assert _stream(messages, 1000) == 0
 
 
-def test_the_newest_few_are_denied() -> None:
+def test_the_newest_few_are_denied():
     messages = UnwantedMessages()
     for size in range(20):
         while not messages.note(4000, size, 0):
@@ -63,7 +63,7 @@ def test_the_newest_few_are_denied() -> None:
     assert messages.denied == [(4000, size) for size in range(4, 20)]
 
 
-def test_other_channels_begin_anew() -> None:
+def test_other_channels_begin_anew():
     messages = UnwantedMessages()
     _stream(messages, 40)
     messages.clear()
@@ -73,7 +73,7 @@ def test_other_channels_begin_anew() -> None:
     assert messages.denied == []
 
 
-def test_strangers_fill_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_strangers_fill_no_memory(monkeypatch):
     monkeypatch.setattr(reassembly, "_MOST_COUNTED", 10)
     messages = UnwantedMessages()
     for number in range(100):

@@ -5,10 +5,9 @@ import errno
 import io
 import random
 import threading
-from typing import TextIO, cast
 
 import pytest
-from fixtures.live_view import ROWS, START, S, Screen, look
+from fixtures.live_view import ROWS, START, S, look
 from textual.drivers._writer_thread import WriterThread
 from textual.events import Key, Resize
 from textual.geometry import Size
@@ -23,13 +22,13 @@ from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools.wire.packet import Packet
 
 
-def vector(x: float, number: int) -> Packet:
+def vector(x, number):
     message = Vector3()
     message.x = x
     return Packet("POSE", encode(message), START + number * S // 2)
 
 
-async def open_pose(screen: Screen) -> None:
+async def open_pose(screen):
     """Look closely at the last channel while eight messages come."""
     await screen.press("end", "enter")
     await screen.until(lambda: "none since this view was opened" in screen.text)
@@ -39,8 +38,8 @@ async def open_pose(screen: Screen) -> None:
     await screen.until(lambda: "▁▂▃▄▅▆▇█  0 .. 7" in screen.text)
 
 
-def test_enter_shows_the_message_with_curves_and_enter_again_one_as_large_as_the_screen() -> None:
-    async def script(screen: Screen) -> None:
+def test_enter_shows_the_message_with_curves_and_enter_again_one_as_large_as_the_screen():
+    async def script(screen):
         await open_pose(screen)
         assert "listeners   /monitor" in screen.text
         assert "geometry_msgs/Vector3 by its fingerprint, or" in screen.text
@@ -60,8 +59,8 @@ def test_enter_shows_the_message_with_curves_and_enter_again_one_as_large_as_the
     look(script)
 
 
-def test_details_can_be_paused_and_cleared_and_left() -> None:
-    async def script(screen: Screen) -> None:
+def test_details_can_be_paused_and_cleared_and_left():
+    async def script(screen):
         await open_pose(screen)
         await screen.press("space")
         assert "PAUSED" in screen.title
@@ -77,8 +76,8 @@ def test_details_can_be_paused_and_cleared_and_left() -> None:
     look(script)
 
 
-def test_arrays_are_opened_and_closed_and_bytes_are_shown() -> None:
-    async def script(screen: Screen) -> None:
+def test_arrays_are_opened_and_closed_and_bytes_are_shown():
+    async def script(screen):
         await screen.press("down", "down", "enter")
         await screen.until(lambda: screen.planted.followed)
         message = LaserScan()
@@ -98,8 +97,8 @@ def test_arrays_are_opened_and_closed_and_bytes_are_shown() -> None:
     look(script)
 
 
-def test_any_size_will_do_and_the_table_follows_it() -> None:
-    async def script(screen: Screen) -> None:
+def test_any_size_will_do_and_the_table_follows_it():
+    async def script(screen):
         for width, height in ((80, 24), (40, 8), (12, 3), (200, 60)):
             screen.resize(width, height)
             await screen.until(lambda: screen.app.overview.table.size.width == width)  # noqa: B023
@@ -112,8 +111,8 @@ def test_any_size_will_do_and_the_table_follows_it() -> None:
     look(script)
 
 
-def test_a_terminal_too_narrow_for_a_screen_ends_nothing() -> None:
-    async def script(screen: Screen) -> None:
+def test_a_terminal_too_narrow_for_a_screen_ends_nothing():
+    async def script(screen):
         for key in ("f1", "f6", "enter"):
             await screen.press(key)
             await screen.until(lambda: not screen.is_table)
@@ -136,10 +135,8 @@ def test_a_terminal_too_narrow_for_a_screen_ends_nothing() -> None:
         (("question_mark", "question_mark"), ["Overview", "HelpScreen"]),
     ],
 )
-def test_a_screen_is_opened_once_and_left_once_however_fast_somebody_types(
-    keys: tuple[str, ...], left: list[str]
-) -> None:
-    async def script(screen: Screen) -> None:
+def test_a_screen_is_opened_once_and_left_once_however_fast_somebody_types(keys, left):
+    async def script(screen):
         await screen.at_once(*keys)
         names = [type(one).__name__ for one in screen.app.screen_stack[1:]]
         assert names in (left, ["Overview"])  # or the second was late, and has closed it
@@ -159,8 +156,8 @@ def test_a_screen_is_opened_once_and_left_once_however_fast_somebody_types(
     look(script)
 
 
-def test_a_size_that_the_terminal_has_no_longer_changes_nothing() -> None:
-    async def script(screen: Screen) -> None:
+def test_a_size_that_the_terminal_has_no_longer_changes_nothing():
+    async def script(screen):
         overview, handled = screen.app.overview, asyncio.Event()
         for width in (100, 120):
             overview.post_message(Resize(Size(width, 20), Size(width, 20)))
@@ -172,14 +169,12 @@ def test_a_size_that_the_terminal_has_no_longer_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
-    seed: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(seed, monkeypatch):
     monkeypatch.setattr(LivePage, "period", 0.01)
     chance = random.Random(seed)  # noqa: S311 - no secret
     keys = ["escape", "left", "enter", "enter", "f1", "h", "f6", "f3", "f4", "x", "plus", "c", "r"]
 
-    async def script(screen: Screen) -> None:
+    async def script(screen):
         for number in range(25):
             for key in chance.choices(keys, k=4):
                 screen.app.post_message(Key(key, None))
@@ -193,15 +188,15 @@ def test_a_storm_of_keys_and_sizes_leaves_the_table_standing(
     assert look(script) == 0
 
 
-def test_what_is_written_to_a_closed_terminal_holds_up_nothing() -> None:
+def test_what_is_written_to_a_closed_terminal_holds_up_nothing():
     class Closed(io.StringIO):
-        def write(self, _: str) -> int:
+        def write(self, _):
             raise OSError(errno.EIO, "Input/output error")
 
-    writer = WriterThread(cast("TextIO", TerminalFile(Closed())))
+    writer = WriterThread(TerminalFile(Closed()))
     writer.start()
 
-    def write_and_stop() -> None:
+    def write_and_stop():
         for _ in range(100):  # more than textual's queue takes
             writer.write("text")
         writer.stop()
@@ -213,15 +208,13 @@ def test_what_is_written_to_a_closed_terminal_holds_up_nothing() -> None:
 
 
 @pytest.mark.parametrize(("group", "stops"), [(7, 1), (5, 0)])
-def test_ctrl_z_stops_it_where_a_shell_can_continue_it(
-    monkeypatch: pytest.MonkeyPatch, group: int, stops: int
-) -> None:
+def test_ctrl_z_stops_it_where_a_shell_can_continue_it(monkeypatch, group, stops):
     monkeypatch.setattr("os.getpgrp", lambda: group)
     monkeypatch.setattr("os.getsid", lambda _: 5)
     asked = []
     monkeypatch.setattr(SpyApp, "action_suspend_process", lambda _: asked.append("to stop"))
 
-    async def script(screen: Screen) -> None:
+    async def script(screen):
         await screen.press("ctrl+z")
         assert len(asked) == stops
 

@@ -2,23 +2,21 @@
 
 import asyncio
 from dataclasses import replace
-from typing import cast
 
 import pytest
-from fixtures.live_view import ROWS, Planted, Screen, look
-from textual.app import App, ComposeResult
-from textual.strip import Strip
+from fixtures.live_view import ROWS, Planted, look
+from textual.app import App
 
 from lcmtools.cli.spy.live.app import SpyApp
 from lcmtools.cli.spy.live.overview import cell_style
 from lcmtools.cli.spy.live.rows import Cell, RowTable
 from lcmtools.observe.channels.columns import COLUMNS, TableView
-from lcmtools.observe.channels.feed import Feed, Snapshot
+from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow
 
 
-def test_the_table_shows_all_columns_and_what_is_known_of_the_bus() -> None:
-    async def script(screen: Screen) -> None:
+def test_the_table_shows_all_columns_and_what_is_known_of_the_bus():
+    async def script(screen):
         await screen.until(lambda: "f1 Help" in screen.text)  # keys come when the table has focus
         lines = screen.text.splitlines()
         assert lines[0].startswith("lcmtools spy  udpm://239.255.76.67:7667  44 channels  161.00")
@@ -30,10 +28,10 @@ def test_the_table_shows_all_columns_and_what_is_known_of_the_bus() -> None:
     look(script)
 
 
-def test_letters_and_f6_sort_the_table() -> None:
+def test_letters_and_f6_sort_the_table():
     first = {"n": "POSE", "r": "/arm/joints", "m": "/base/odom", "a": "/base/scan", "e": "POSE"}
 
-    async def script(screen: Screen) -> None:
+    async def script(screen):
         for key, channel in first.items():
             await screen.press(key)
             assert (key, screen.channels[0]) == (key, channel)
@@ -49,8 +47,8 @@ def test_letters_and_f6_sort_the_table() -> None:
     look(script)
 
 
-def test_the_cursor_stays_on_its_row_while_the_order_changes() -> None:
-    async def script(screen: Screen) -> None:
+def test_the_cursor_stays_on_its_row_while_the_order_changes():
+    async def script(screen):
         await screen.press("down")
         assert screen.cursor == "/base/odom"
         await screen.press("r")
@@ -68,15 +66,15 @@ def test_the_cursor_stays_on_its_row_while_the_order_changes() -> None:
     look(script)
 
 
-def test_a_new_number_draws_its_line_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn: set[int] = set()
+def test_a_new_number_draws_its_line_only(monkeypatch):
+    drawn = set()
     draw = RowTable.render_line
 
-    def noted(self: RowTable, y: int) -> Strip:
+    def noted(self, y):
         drawn.add(y)
         return draw(self, y)
 
-    async def script(screen: Screen) -> None:
+    async def script(screen):
         monkeypatch.setattr(RowTable, "render_line", noted)
         rows = ROWS[0], replace(ROWS[1], messages=901), *ROWS[2:]
         screen.planted.tell(replace(screen.planted.latest, rows=rows))
@@ -86,8 +84,8 @@ def test_a_new_number_draws_its_line_only(monkeypatch: pytest.MonkeyPatch) -> No
     look(script)
 
 
-def test_a_table_longer_than_the_screen_is_scrolled() -> None:
-    async def script(screen: Screen) -> None:
+def test_a_table_longer_than_the_screen_is_scrolled():
+    async def script(screen):
         await screen.press("end")
         assert (screen.cursor, screen.channels[-1]) == ("POSE", "POSE")
         await screen.press("home")
@@ -98,8 +96,8 @@ def test_a_table_longer_than_the_screen_is_scrolled() -> None:
     look(script)
 
 
-def test_a_filter_works_while_it_is_typed_and_escape_clears_it() -> None:
-    async def script(screen: Screen) -> None:
+def test_a_filter_works_while_it_is_typed_and_escape_clears_it():
+    async def script(screen):
         await screen.press("f4", *"base")
         assert screen.channels[:2] == ["/base/odom", "/base/scan"]
         assert "2 of 44 channels" in screen.title
@@ -116,8 +114,8 @@ def test_a_filter_works_while_it_is_typed_and_escape_clears_it() -> None:
     look(script)
 
 
-def test_a_search_goes_to_the_channel_and_f3_to_the_next() -> None:
-    async def script(screen: Screen) -> None:
+def test_a_search_goes_to_the_channel_and_f3_to_the_next():
+    async def script(screen):
         await screen.press("slash", *"base")
         assert screen.cursor == "/base/odom"
         await screen.press("f3")
@@ -131,8 +129,8 @@ def test_a_search_goes_to_the_channel_and_f3_to_the_next() -> None:
     look(script)
 
 
-def test_pause_clear_and_trouble() -> None:
-    async def script(screen: Screen) -> None:
+def test_pause_clear_and_trouble():
+    async def script(screen):
         await screen.press("space")
         assert "PAUSED" in screen.title
         screen.planted.tell(Snapshot(ROWS[:1]))
@@ -149,10 +147,10 @@ def test_pause_clear_and_trouble() -> None:
     look(script)
 
 
-def test_what_callbacks_raise_is_shown_above_the_table() -> None:
+def test_what_callbacks_raise_is_shown_above_the_table():
     errors = ("/driver: timer 0.02 s raised KeyError 3 times", "/arm: scan raised ValueError once")
 
-    async def script(screen: Screen) -> None:
+    async def script(screen):
         assert "lcm-sink (pid 7) also listens" in screen.text
         screen.planted.tell(replace(screen.planted.latest, callback_errors=errors[:1]))
         await screen.until(lambda: screen.text.splitlines()[1] == errors[0])
@@ -165,8 +163,8 @@ def test_what_callbacks_raise_is_shown_above_the_table() -> None:
     look(script)
 
 
-def test_help_names_the_keys_and_goes_away() -> None:
-    async def script(screen: Screen) -> None:
+def test_help_names_the_keys_and_goes_away():
+    async def script(screen):
         for key, leave in (("f1", "escape"), ("h", "enter"), ("question_mark", "f1")):
             await screen.press(key)
             assert "LCM numbers a sender's" in screen.text
@@ -181,15 +179,15 @@ def test_help_names_the_keys_and_goes_away() -> None:
     ("keys", "code"),
     [(("q",), 0), (("ctrl+q",), 0), (("enter", "ctrl+c"), 130), (("f4", "f10"), 0)],
 )
-def test_ways_out(keys: tuple[str, ...], code: int) -> None:
-    async def script(screen: Screen) -> None:
+def test_ways_out(keys, code):
+    async def script(screen):
         await screen.press(*keys)
 
     assert look(script) == code
 
 
-def test_a_click_on_a_heading_sorts_and_two_on_a_row_open_it() -> None:
-    async def script(screen: Screen) -> None:
+def test_a_click_on_a_heading_sorts_and_two_on_a_row_open_it():
+    async def script(screen):
         heading = screen.text.splitlines()[2]
         await screen.pilot.click("#table", offset=(heading.index("HZ"), 0))
         assert screen.app.overview.view.column == "rate"
@@ -201,22 +199,22 @@ def test_a_click_on_a_heading_sorts_and_two_on_a_row_open_it() -> None:
     look(script)
 
 
-def test_it_begins_as_the_command_line_says() -> None:
-    async def script(screen: Screen) -> None:
+def test_it_begins_as_the_command_line_says():
+    async def script(screen):
         assert screen.channels == ["/base/scan", "/base/odom"]
 
     look(script, TableView("rate", inverted=True, text="base"), "2 of 44")
 
 
-def test_without_color_no_color_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_color_no_color_is_sent(monkeypatch):
     monkeypatch.setenv("NO_COLOR", "1")
-    app = SpyApp("memq://", cast(Feed, Planted()), TableView())
+    app = SpyApp("memq://", Planted(), TableView())
     assert app.no_color
     assert app.native_ansi_color
 
 
-def test_loss_silence_and_unknown_types_are_seen_at_a_glance() -> None:
-    def style(column: str, row: ChannelRow) -> object:
+def test_loss_silence_and_unknown_types_are_seen_at_a_glance():
+    def style(column, row):
         return cell_style(row, COLUMNS[column])
 
     known = ("std_msgs/String",)
@@ -229,14 +227,14 @@ def test_loss_silence_and_unknown_types_are_seen_at_a_glance() -> None:
     assert style("channel", ChannelRow("A")) == "dim"
 
 
-def test_a_table_that_is_scrolled_may_get_other_columns() -> None:
+def test_a_table_that_is_scrolled_may_get_other_columns():
     class Shown(App[None]):
-        def compose(self) -> ComposeResult:
+        def compose(self):
             yield RowTable("table")
 
     keys = [f"row {number}" for number in range(50)]
 
-    async def script() -> None:
+    async def script():
         app = Shown()
         async with app.run_test(size=(40, 8)) as pilot:
             table = app.query_one(RowTable)

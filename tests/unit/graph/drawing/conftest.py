@@ -1,7 +1,6 @@
 """Diagrams from a few words."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -9,20 +8,16 @@ import pytest
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 
-Draw = Callable[..., Diagram]
-
 
 @pytest.fixture
-def draw() -> Draw:
+def draw():
     """``draw("/a > /t", "/t > /b", "/alone")``: a diagram of members, topics and arrows.
 
     Topics are the names that are capitals, or whose last part is "t" and a number; all others are
     members. ``changes`` has by name what is different of them.
     """
 
-    def build(
-        *words: str, changes: dict[str, dict[str, object]] | None = None, **of_diagram: bool
-    ) -> Diagram:
+    def build(*words, changes=None, **of_diagram):
         names = list(dict.fromkeys(name for word in words for name in word.split(" > ")))
         channels = [name for name in names if _is_channel(name)]
         members = [name for name in names if not _is_channel(name)]
@@ -45,5 +40,5 @@ def draw() -> Draw:
     return build
 
 
-def _is_channel(name: str) -> bool:
+def _is_channel(name):
     return name.isupper() or re.fullmatch(r"t\d*", name.rpartition("/")[2]) is not None

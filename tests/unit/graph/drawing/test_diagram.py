@@ -1,23 +1,20 @@
 """Names of a picture's members, and text that anything can show."""
 
-from collections.abc import Callable
 from xml.dom.minidom import parseString
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.graph.drawing.diagram import Diagram, Member, outermost
+from lcmtools.graph.drawing.diagram import Member, outermost
 from lcmtools.graph.drawing.labels import names, notes, printable, title
-
-Draw = Callable[..., Diagram]
 
 
 @pytest.mark.parametrize(
     ("name", "expected"),
     [("/husky0/odometry", "/husky0"), ("/a/b/c", "/a"), ("/tf", ""), ("EXAMPLE", ""), ("a/b", "")],
 )
-def test_the_outermost_namespace(name: str, expected: str) -> None:
+def test_the_outermost_namespace(name, expected):
     assert outermost(name) == expected
 
 
@@ -30,11 +27,11 @@ def test_the_outermost_namespace(name: str, expected: str) -> None:
         ("p " + "x" * 60, "p …"),
     ],
 )
-def test_a_program_is_called_by_its_name_and_arguments(command: str, expected: str) -> None:
+def test_a_program_is_called_by_its_name_and_arguments(command, expected):
     assert title(Member("n1", command, is_node=False)) == expected
 
 
-def test_what_is_said_of_a_member() -> None:
+def test_what_is_said_of_a_member():
     assert notes(Member("n1", "/a", host="here", pid=1)) == []
     assert notes(Member("n1", "/a", host="robot", is_here=False)) == ["on robot"]
     assert notes(Member("n1", "/a", stale="hangs")) == ["stale: hangs"]
@@ -42,18 +39,18 @@ def test_what_is_said_of_a_member() -> None:
     assert notes(program) == ["no node, pid 7", "receives unknown channels"]
 
 
-def test_two_nodes_of_the_same_name_stay_two(draw: Draw) -> None:
+def test_two_nodes_of_the_same_name_stay_two(draw):
     diagram = draw("/a", "/x", "/b", changes={"/x": {"name": "/a", "pid": 5}})
     assert list(names(diagram).values()) == ["/a (pid 1)", "/a (pid 5)", "/b"]
 
 
-def test_groups_are_the_outermost_namespaces_of_a_grouped_diagram(draw: Draw) -> None:
+def test_groups_are_the_outermost_namespaces_of_a_grouped_diagram(draw):
     words = ("/r/a > /r/t1 > /b", "X")
     assert draw(*words).groups() == {"": ["n1", "n2", "t1", "t2"]}
     assert draw(*words, is_grouped=True).groups() == {"/r": ["n1", "t1"], "": ["n2", "t2"]}
 
 
-def test_a_program_stands_in_no_namespace(draw: Draw) -> None:
+def test_a_program_stands_in_no_namespace(draw):
     program = {"/usr/bin/x": {"is_node": False}}
     assert draw("/usr/bin/x", changes=program, is_grouped=True).groups() == {"": ["n1"]}
 
@@ -68,12 +65,12 @@ def test_a_program_stands_in_no_namespace(draw: Draw) -> None:
         ("\ufffe", "\\ufffe"),
     ],
 )
-def test_what_cannot_be_shown_is_escaped(text: str, expected: str) -> None:
+def test_what_cannot_be_shown_is_escaped(text, expected):
     assert printable(text) == expected
 
 
 @given(st.binary(max_size=63))
-def test_every_channel_is_printable_and_stands_in_xml(name: bytes) -> None:
+def test_every_channel_is_printable_and_stands_in_xml(name):
     text = printable(name.decode("utf-8", "surrogateescape"))
     quoted = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     root = parseString(f"<a>{quoted}</a>").documentElement  # noqa: S318 - our own

@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -14,8 +13,6 @@ from lcmtools.graph.drawing import as_json, dot, mermaid
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.drawing.subgraph import members_only
-
-Draw = Callable[..., Diagram]
 
 _HOSTILE = [
     'a"b',
@@ -58,7 +55,7 @@ _MERMAID = re.compile(
 _PICTURES = pytest.mark.parametrize("write", [dot.write, mermaid.write], ids=["dot", "mermaid"])
 
 
-def diagram_of(names: list[str]) -> Diagram:
+def diagram_of(names):
     """A node that publishes topics of these names, and a program of such a name that subscribes."""
     members = (Member("n1", "/a", pid=1), Member("n2", "".join(names), is_node=False))
     edges = [Edge("n1", f"t{n}", Relation.PUBLISHES, 3, 9.0) for n in range(len(names))]
@@ -67,7 +64,7 @@ def diagram_of(names: list[str]) -> Diagram:
     return Diagram(members, tuple(channels), tuple(edges))
 
 
-def dot_tokens(document: str) -> list[str]:
+def dot_tokens(document):
     """The words of a document in dot; fails where there is anything else."""
     found, end = [], 0
     for match in _DOT_TOKEN.finditer(document):
@@ -78,7 +75,7 @@ def dot_tokens(document: str) -> list[str]:
     return [token for token in found if token.strip()]
 
 
-def dot_labels(document: str) -> dict[str, str]:
+def dot_labels(document):
     """The first line of each vertex's label as Graphviz would show it."""
     tokens = dot_tokens(document)
     found = {}
@@ -90,19 +87,19 @@ def dot_labels(document: str) -> dict[str, str]:
     return found
 
 
-def read_dot(text: str) -> str:
+def read_dot(text):
     """Text between quotes, as Graphviz shows it."""
     return re.sub(r"\\(.)", r"\1", text).replace("&amp;", "&")
 
 
-def read_mermaid(text: str) -> str:
+def read_mermaid(text):
     """Text between quotes, as Mermaid shows it."""
     return re.sub(r"#(\d+);", lambda match: chr(int(match[1])), text)
 
 
 @settings(deadline=None, max_examples=50)
 @given(st.lists(_NAME, max_size=4))
-def test_dot_shows_every_name_as_it_is(names: list[str]) -> None:
+def test_dot_shows_every_name_as_it_is(names):
     labels = dot_labels(dot.write(diagram_of(names)))
     for number, name in enumerate(names):
         if "\\" not in name and "\\" not in printable(name):  # where a label's lines end is certain
@@ -110,7 +107,7 @@ def test_dot_shows_every_name_as_it_is(names: list[str]) -> None:
 
 
 @pytest.mark.parametrize("name", _HOSTILE)
-def test_dot_quotes_backslashes_quotes_and_entities(name: str) -> None:
+def test_dot_quotes_backslashes_quotes_and_entities(name):
     document = dot.write(diagram_of([name]))
     dot_tokens(document)
     escaped = printable(name).replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;")
@@ -118,7 +115,7 @@ def test_dot_quotes_backslashes_quotes_and_entities(name: str) -> None:
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
-def test_graphviz_reads_it(draw: Draw) -> None:
+def test_graphviz_reads_it(draw):
     grouped = draw("/r/a > /r/t1 > /b", changes={"/b": {"stale": "x"}}, is_grouped=True)
     for diagram in (Diagram(), grouped, diagram_of(_HOSTILE), members_only(diagram_of(_HOSTILE))):
         command = [shutil.which("dot") or "dot", "-Tplain"]
@@ -130,9 +127,7 @@ def test_graphviz_reads_it(draw: Draw) -> None:
 
 @settings(deadline=None, max_examples=50)
 @given(names=st.lists(_NAME, max_size=4), is_grouped=st.booleans(), is_direct=st.booleans())
-def test_mermaid_shows_every_name_as_it_is(
-    names: list[str], *, is_grouped: bool, is_direct: bool
-) -> None:
+def test_mermaid_shows_every_name_as_it_is(names, *, is_grouped, is_direct):
     diagram = replace(diagram_of(names), is_grouped=is_grouped)
     document = mermaid.write(members_only(diagram) if is_direct else diagram)
     rows = document.splitlines()
@@ -146,17 +141,17 @@ def test_mermaid_shows_every_name_as_it_is(
         assert read_mermaid(shown) == printable(name)
 
 
-def test_what_markdown_would_take_for_its_own_is_an_entity_in_mermaid() -> None:
+def test_what_markdown_would_take_for_its_own_is_an_entity_in_mermaid():
     document = mermaid.write(diagram_of(["1. a", "- a", "_a_ a_b", "a*b", "`a`", "#35;"]))
     for shown in ("#49;. a", "#45; a", "#95;a#95; a_b", "a#42;b", "#96;a#96;", "#35;35#59;"):
         assert f'["{shown}<br/>' in document
 
 
-def test_mermaid_in_markdown_is_a_block() -> None:
+def test_mermaid_in_markdown_is_a_block():
     assert mermaid.fenced("flowchart LR\n") == "```mermaid\nflowchart LR\n```\n"
 
 
-def test_dot_marks_programs_stale_nodes_and_calls(draw: Draw) -> None:
+def test_dot_marks_programs_stale_nodes_and_calls(draw):
     changes = {"/a": {"is_node": False}, "/b": {"stale": "ended"}, "/t": {"is_service": True}}
     diagram = draw("/a > /t > /b", changes=changes)
     edges = (replace(diagram.edges[0], relation=Relation.CALLS), diagram.edges[1])
@@ -169,7 +164,7 @@ def test_dot_marks_programs_stale_nodes_and_calls(draw: Draw) -> None:
     assert "style=dashed" in call
 
 
-def test_dot_tips_have_types_and_counts(draw: Draw) -> None:
+def test_dot_tips_have_types_and_counts(draw):
     changes = {"/t": {"messages": 5}, "/a": {"command": "run it"}}
     document = dot.write(draw("/a > /t > /b", changes=changes))
     assert r'tooltip="/t\ntype: a/B\nmessages: 5"' in document
@@ -177,7 +172,7 @@ def test_dot_tips_have_types_and_counts(draw: Draw) -> None:
 
 
 @_PICTURES
-def test_rates_and_frames_are_shown(write: Callable[[Diagram], str], draw: Draw) -> None:
+def test_rates_and_frames_are_shown(write, draw):
     diagram = draw("/r/a > /r/t > /b", is_grouped=True)
     edges = (replace(diagram.edges[0], rate=12.34), diagram.edges[1])
     document = write(replace(diagram, edges=edges))
@@ -186,14 +181,14 @@ def test_rates_and_frames_are_shown(write: Callable[[Diagram], str], draw: Draw)
 
 
 @_PICTURES
-def test_many_topics_between_two_are_cut(write: Callable[[Diagram], str], draw: Draw) -> None:
+def test_many_topics_between_two_are_cut(write, draw):
     diagram = members_only(draw(*(f"/a > /t{number} > /b" for number in range(10, 16))))
     document = write(diagram)
     assert "/t12" in document
     assert "and 3 more" in document
 
 
-def test_json_has_its_keys_for_everything(draw: Draw) -> None:
+def test_json_has_its_keys_for_everything(draw):
     changes = {
         "/a": {"host": "h", "command": "c"},
         "/x": {"is_node": False, "listens": True},
@@ -236,7 +231,7 @@ def test_json_has_its_keys_for_everything(draw: Draw) -> None:
     assert document["cycles"] == [["n1", "t1", "n2", "t2"]]
 
 
-def test_nothing_is_a_document_in_every_form() -> None:
+def test_nothing_is_a_document_in_every_form():
     assert as_json.write(Diagram()) == {
         "nodes": [],
         "topics": [],

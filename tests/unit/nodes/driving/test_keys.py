@@ -22,16 +22,16 @@ from lcmtools.terminal import split_keys
         ("\u0448".encode(), ["\u0448"]),
     ],
 )
-def test_keys_are_found_in_what_a_terminal_sends(data: bytes, keys: list[str]) -> None:
+def test_keys_are_found_in_what_a_terminal_sends(data, keys):
     assert split_keys(data, is_complete=True) == (keys, b"")
 
 
 @pytest.mark.parametrize("end", [b"\x1b", b"\x1b[", b"\x1b[1;", b"\x1bO", b"\x1b[Ma"])
-def test_beginning_of_a_sequence_waits_for_its_rest(end: bytes) -> None:
+def test_beginning_of_a_sequence_waits_for_its_rest(end):
     assert split_keys(b"i" + end, is_complete=False) == (["i"], end)
 
 
-def test_script_gives_keys_in_its_time() -> None:
+def test_script_gives_keys_in_its_time():
     script = KeyScript()
     script.feed(b"i 2 jk # l 5\n.5 left up 1")
     script.feed(b"", is_last=True)
@@ -43,7 +43,7 @@ def test_script_gives_keys_in_its_time() -> None:
     assert script.is_over(13.6)
 
 
-def test_script_may_come_byte_by_byte() -> None:
+def test_script_may_come_byte_by_byte():
     script = KeyScript()
     given = []
     for byte in b"i 1.5 . #k\nm":
@@ -53,7 +53,7 @@ def test_script_may_come_byte_by_byte() -> None:
     assert script.due(1.5) == [".", "m"]
 
 
-def test_wait_that_comes_late_begins_when_it_comes() -> None:
+def test_wait_that_comes_late_begins_when_it_comes():
     script = KeyScript()
     script.feed(b"i 1 j")
     assert script.due(0.0) + script.due(1.0) == ["i", "j"]
@@ -84,14 +84,14 @@ def test_wait_that_comes_late_begins_when_it_comes() -> None:
         ("q", (0.0, 0.0)),
     ],
 )
-def test_keys_mean_what_the_table_says(keys: str, velocity: tuple[float, float]) -> None:
+def test_keys_mean_what_the_table_says(keys, velocity):
     motion = Motion()
     for key in keys:
         motion = motion.after(key)
     assert (motion.forward, motion.turn_rate) == pytest.approx(velocity)
 
 
-def test_speeds_stay_within_their_limits() -> None:
+def test_speeds_stay_within_their_limits():
     motion = Motion(speed_limit=0.52, turn_limit=1.0).after("q").after("u")
     assert (motion.forward, motion.turn_rate) == (0.52, 1.0)
     assert "limit reached 0.52" in str(motion)
@@ -110,14 +110,14 @@ def test_speeds_stay_within_their_limits() -> None:
         (["up"] * 3 + ["down"] * 3, (0.0, 0.0)),
     ],
 )
-def test_sliders_move_as_the_keys_say(keys: list[str], velocity: tuple[float, float]) -> None:
+def test_sliders_move_as_the_keys_say(keys, velocity):
     sliders = Sliders()
     for key in keys:
         sliders = sliders.after(key)
     assert (sliders.forward, sliders.turn_rate) == velocity
 
 
-def test_held_key_counts_until_it_should_have_come_again() -> None:
+def test_held_key_counts_until_it_should_have_come_again():
     hold = HeldKey()
     hold.press("i", 0)
     assert not hold.is_over(690_000_000)

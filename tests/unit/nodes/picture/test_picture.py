@@ -22,7 +22,7 @@ from lcmtools.labs.nodes.picture.colors import (
 from lcmtools.labs.nodes.picture.display import numbered, values_of
 from lcmtools.labs.nodes.picture.screen import ScreenDisplay
 from lcmtools.labs.nodes.picture.viewer import choose_display, panel_settings, viewer_parser
-from lcmtools.messages.pictures import Picture, read_picture
+from lcmtools.messages.pictures import read_picture
 from lcmtools.messages.pixels import COLOR_MAPS
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 
@@ -30,7 +30,7 @@ WARM = ColorOptions(COLOR_MAPS["warm"])
 NEAREST, FARTHEST = COLOR_MAPS["warm"][0], COLOR_MAPS["warm"][-1]
 
 
-def image(encoding: str, width: int, height: int, data: bytes, **fields: int) -> Image:
+def image(encoding, width, height, data, **fields):
     message = Image()
     message.encoding, message.width, message.height = encoding, width, height
     message.data, message.data_length = data, len(data)
@@ -39,23 +39,23 @@ def image(encoding: str, width: int, height: int, data: bytes, **fields: int) ->
     return message
 
 
-def depth(width: int, height: int, *millimetres: int) -> Image:
+def depth(width, height, *millimetres):
     return image("16UC1", width, height, struct.pack(f"<{len(millimetres)}H", *millimetres))
 
 
-def compressed(data: bytes, format: str = "png") -> CompressedImage:  # noqa: A002 - the field's name
+def compressed(data, format="png"):  # noqa: A002 - the field's name
     message = CompressedImage()
     message.data, message.data_length, message.format = data, len(data), format
     return message
 
 
-def file_of(image: PIL.Image.Image, kind: str = "PNG") -> bytes:
+def file_of(image, kind="PNG"):
     stream = io.BytesIO()
     image.save(stream, kind)
     return stream.getvalue()
 
 
-def pixels(picture: Picture) -> list[object]:
+def pixels(picture):
     if picture.image.mode != "RGB":
         return list(picture.values())
     data = picture.image.tobytes()
@@ -78,7 +78,7 @@ def pixels(picture: Picture) -> list[object]:
         (image("mono8", 2, 1, b"ab--", step=4), [97, 98]),
     ],
 )
-def test_pixels_are_read_by_their_encoding(message: Image, row: list[object]) -> None:
+def test_pixels_are_read_by_their_encoding(message, row):
     assert pixels(read_picture(message)) == row
 
 
@@ -92,12 +92,12 @@ def test_pixels_are_read_by_their_encoding(message: Image, row: list[object]) ->
         (image("mono8", 1 << 20, 1 << 20, b"ab", step=1 << 20), "is not shown"),
     ],
 )
-def test_picture_that_cannot_be_is_refused_with_the_reason(message: Image, reason: str) -> None:
+def test_picture_that_cannot_be_is_refused_with_the_reason(message, reason):
     with pytest.raises(DecodeError, match=reason):
         read_picture(message)
 
 
-def test_compressed_pictures_are_read() -> None:
+def test_compressed_pictures_are_read():
     depths = PIL.Image.frombytes("I;16", (2, 1), struct.pack("<2H", 700, 1200))
     assert pixels(read_picture(compressed(file_of(depths)))) == [700, 1200]
     of_ros = compressed(bytes(12) + file_of(depths), "16UC1; compressedDepth png")
@@ -108,7 +108,7 @@ def test_compressed_pictures_are_read() -> None:
     assert set(pixels(read_picture(compressed(file_of(grey, "JPEG"), "jpeg")))) == {200}
 
 
-def huge_png(size: int) -> bytes:
+def huge_png(size):
     header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
     parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"")), (b"IEND", b""))
     chunks = (
@@ -130,18 +130,18 @@ def huge_png(size: int) -> bytes:
         huge_png(8_500),
     ],
 )
-def test_a_file_that_is_no_picture_or_too_large_is_refused(data: bytes) -> None:
+def test_a_file_that_is_no_picture_or_too_large_is_refused(data):
     with pytest.raises(DecodeError, match=r"broken picture: |is not shown"):
         read_picture(compressed(data))
 
 
-def test_depth_goes_from_light_to_dark_and_no_reading_is_black() -> None:
+def test_depth_goes_from_light_to_dark_and_no_reading_is_black():
     view = colored(read_picture(depth(3, 1, 1000, 2000, 0)), WARM)
     assert view.image.tobytes() == bytes([*NEAREST, *FARTHEST, 0, 0, 0])
     assert view.legend_ends == ("1 m", "2 m")
 
 
-def test_a_given_scale_is_kept_and_exchanged_ends_are_refused() -> None:
+def test_a_given_scale_is_kept_and_exchanged_ends_are_refused():
     view = colored(
         read_picture(depth(2, 1, 4000, 9000)), ColorOptions(COLOR_MAPS["warm"], 0.0, 4.0)
     )
@@ -150,14 +150,14 @@ def test_a_given_scale_is_kept_and_exchanged_ends_are_refused() -> None:
         ColorOptions(COLOR_MAPS["warm"], 2.0, 1.0)
 
 
-def test_grey_of_16_bits_is_stretched_and_of_8_bits_is_not() -> None:
+def test_grey_of_16_bits_is_stretched_and_of_8_bits_is_not():
     of_16 = read_picture(image("mono16", 2, 1, struct.pack("<2H", 1000, 1100)))
     assert colored(of_16, WARM).image.tobytes() == bytes([0, 0, 0, 255, 255, 255])
     of_8 = read_picture(image("mono8", 2, 1, bytes([10, 20])))
     assert colored(of_8, WARM).image.tobytes() == bytes([10, 10, 10, 20, 20, 20])
 
 
-def test_middle_of_a_color_map_lies_between_its_colors() -> None:
+def test_middle_of_a_color_map_lies_between_its_colors():
     assert mix(((0, 0, 0), (100, 200, 50)), 0.5) == (50, 100, 25)
     assert mix(((0, 0, 0), (100, 200, 50)), 1.0) == (100, 200, 50)
 
@@ -165,7 +165,7 @@ def test_middle_of_a_color_map_lies_between_its_colors() -> None:
 @pytest.mark.parametrize(
     ("room", "size"), [((100, 76), (100, 75)), ((1000, 48), (64, 48)), ((1, 1), (1, 1))]
 )
-def test_picture_keeps_its_proportions(room: tuple[int, int], size: tuple[int, int]) -> None:
+def test_picture_keeps_its_proportions(room, size):
     picture = read_picture(image("mono8", 640, 480, bytes(640 * 480)))
     assert picture.fitted(*room).image.size == size
 
@@ -180,10 +180,10 @@ def test_picture_keeps_its_proportions(room: tuple[int, int], size: tuple[int, i
     ],
 )
 def test_colors_are_those_of_the_terminal(
-    environment: dict[str, str],
-    wants_color: bool,  # noqa: FBT001
-    colors: TerminalColors,
-) -> None:
+    environment,
+    wants_color,
+    colors,
+):
     assert terminal_colors(environment, wants_color=wants_color) is colors
 
 
@@ -213,19 +213,17 @@ SIX_PIXELS = PIL.Image.frombytes(
         (TerminalColors.NONE, ["░█", "  "]),
     ],
 )
-def test_a_character_has_the_colors_of_two_pixels(colors: TerminalColors, lines: list[str]) -> None:
+def test_a_character_has_the_colors_of_two_pixels(colors, lines):
     assert blocks(SIX_PIXELS, colors) == lines
 
 
-def test_a_color_is_written_once_for_a_row_of_equal_pixels() -> None:
+def test_a_color_is_written_once_for_a_row_of_equal_pixels():
     (line,) = blocks(PIL.Image.new("RGB", (50, 2)), TerminalColors.FULL)
     assert line == f"\x1b[38;2;0;0;0;48;2;0;0;0m{'▀' * 50}\x1b[0m"
 
 
 @pytest.mark.parametrize("columns", [1, 20, 64, 80])
-def test_no_line_is_longer_than_the_terminal_is_wide(
-    columns: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_line_is_longer_than_the_terminal_is_wide(columns, monkeypatch, capsys):
     monkeypatch.setenv("FORCE_COLOR", "1")
     monkeypatch.setenv("COLUMNS", str(columns))
     monkeypatch.setenv("LINES", "20")
@@ -255,9 +253,7 @@ def test_no_line_is_longer_than_the_terminal_is_wide(
         ("--window", "BrowserDisplay", {"TERM": "dumb"}),
     ],
 )
-def test_pictures_are_shown_where_they_can_be_seen(
-    words: str, display: str, environment: dict[str, str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_pictures_are_shown_where_they_can_be_seen(words, display, environment, monkeypatch):
     monkeypatch.setattr(sys, "platform", "linux")
     for name, value in (
         {"DISPLAY": "", "WAYLAND_DISPLAY": "", "TERM": "xterm"} | environment
@@ -272,12 +268,12 @@ def test_pictures_are_shown_where_they_can_be_seen(
     [("", "", True), ("--once", "", False), ("--terminal", ":0", False)],
 )
 def test_a_terminal_without_a_display_tells_of_the_browser(
-    words: str,
-    display: str,
-    told: bool,  # noqa: FBT001 - pytest's
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+    words,
+    display,
+    told,
+    monkeypatch,
+    capsys,
+):
     monkeypatch.setattr(sys, "platform", "linux")
     for name, value in {"DISPLAY": display, "TERM": "xterm", "COLUMNS": "100"}.items():
         monkeypatch.setenv(name, value)
@@ -296,16 +292,12 @@ def test_a_terminal_without_a_display_tells_of_the_browser(
         ("--far 2", {"map": "warm", "near": 0.0, "far": 2.0}),
     ],
 )
-def test_the_panel_has_the_settings_of_the_command_line(
-    words: str, settings: dict[str, object]
-) -> None:
+def test_the_panel_has_the_settings_of_the_command_line(words, settings):
     options = viewer_parser().parse_args(["--window", *words.split()])
     assert panel_settings(options) == settings
 
 
-def test_without_the_extra_a_line_says_so_and_the_terminal_is_used(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_the_extra_a_line_says_so_and_the_terminal_is_used(monkeypatch, capsys):
     for name, value in {"DISPLAY": ":0", "TERM": "xterm"}.items():
         monkeypatch.setenv(name, value)
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
@@ -320,7 +312,7 @@ def test_without_the_extra_a_line_says_so_and_the_terminal_is_used(
         choose_display(viewer_parser().parse_args(["--window"]))
 
 
-def test_picture_is_described_in_words() -> None:
+def test_picture_is_described_in_words():
     known = facts(read_picture(depth(3, 1, 620, 0, 4310)))
     assert sentence(known) == "3 x 1 16UC1  min 0.62 m  max 4.31 m  middle none"
     assert sentence(facts(read_picture(image("rgb8", 1, 1, b"abc")))) == "1 x 1 rgb8"
@@ -328,7 +320,7 @@ def test_picture_is_described_in_words() -> None:
     assert sentence(nothing) == "1 x 1 16UC1  min none  max none  middle none"
 
 
-def test_files_are_numbered_and_have_values() -> None:
+def test_files_are_numbered_and_have_values():
     assert [numbered("a%04d.png", 7), numbered("a%d%s", 7), numbered("a", 7)] == [
         "a0007.png", "a7%s", "a",
     ]  # fmt: skip
