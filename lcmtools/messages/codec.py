@@ -14,8 +14,7 @@ from functools import partial
 from typing import TypeVar, cast
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.coder import coder
-from lcmtools.messages.compiled import Scan, Write
+from lcmtools.messages.coder import Scan, Write, coder
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.layout import has_wire_type, is_generated
 from lcmtools.messages.registry import Message, candidates, fingerprint, type_name, versioned
