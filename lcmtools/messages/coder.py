@@ -21,12 +21,11 @@ from typing import TypeAlias
 from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import Field, attribute, visible_fields
 from lcmtools.messages.layout import check_type
-from lcmtools.messages.reading import CarefulReading, Reading, Source
+from lcmtools.messages.reading import CarefulReading, Read, Reading, Scan, Source
 from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.messages.rows import (
     FORMATS,
     IS_LITTLE,
-    Cursor,
     WriteArray,
     check_count,
     is_short,
@@ -37,12 +36,6 @@ from lcmtools.messages.shape import as_sequence
 
 Write: TypeAlias = Callable[[object], tuple[bytes, ...]]
 """Sets the length fields of a message and returns its bytes, in parts."""
-
-Scan: TypeAlias = Callable[[bytes, int], tuple[Message, int]]
-"""Returns the message at an offset in a payload, and the offset of its end."""
-
-Read: TypeAlias = Callable[[Cursor], Message]
-"""Returns the message at a cursor; Malformed describes a fault."""
 
 
 class Coder:

@@ -22,7 +22,7 @@ that a cursor checks each place, and names the field that does not fit:
 
 import struct
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, Protocol, TypeAlias, cast
 
 from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import attribute
@@ -35,6 +35,7 @@ from lcmtools.messages.rows import (
     IS_LITTLE,
     MOST_KEPT,
     STRING_BYTES,
+    Cursor,
     Malformed,
     is_short,
     length,
@@ -42,17 +43,27 @@ from lcmtools.messages.rows import (
 )
 from lcmtools.messages.scalars import STRAY_BYTES
 
-if TYPE_CHECKING:
-    from lcmtools.messages.coder import Coder
-
 _LENGTH = "length"  # the type of a string's length
 _CODES = {**FORMATS, _LENGTH: "I"}
+
+
+Scan: TypeAlias = Callable[[bytes, int], tuple[Message, int]]
+"""Returns the message at an offset in a payload, and the offset of its end."""
+
+Read: TypeAlias = Callable[[Cursor], Message]
+"""Returns the message at a cursor; Malformed describes a fault."""
+
+
+class Readers(Protocol):
+    """The functions that read a type."""
+
+    scan: Scan
 
 
 class Source:
     """The layout of a type, and the names that the statements use."""
 
-    def __init__(self, cls: type[Message], of: "Callable[[type[Message]], Coder]") -> None:
+    def __init__(self, cls: type[Message], of: Callable[[type[Message]], Readers]) -> None:
         self.layout, self.of = layout(cls), of  # the functions of another type
         self._space: dict[str, object] = {
             "booleans": BOOLEANS,
