@@ -16,6 +16,7 @@ from lcmtools.arguments import NodeArguments
 from lcmtools.bus.base import Bus, runs_callbacks
 from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.listeners import PlainListeners
+from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, another_domain
@@ -91,8 +92,8 @@ class Context:
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
         self.used = UsedNames()
-        self.notices: list[str] = []
-        """Warnings about the command line, which the next node logs."""
+        self.notices = [text] if url and (text := missing_route(url)) else []
+        """Warnings about the network and the command line, which the next node logs."""
         self.note = ""
         """A sentence on the program, which the first node that spins logs."""
         self.on_shutdown_request: Callable[[], None] = self.stop

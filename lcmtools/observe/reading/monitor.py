@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
 from lcmtools.bus.records import NodeRecords
@@ -101,6 +102,7 @@ class BusMonitor:
             self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
             if self.logs:
                 self._add_indexes(self.logs)
+            self._news.extend(filter(None, [missing_route(url)]))
             network_watch.tell(self._news.append)
             opened.pop_all()
 
