@@ -13,7 +13,6 @@ from lcmtools.packages.type_files import LcmFile
 
 _ROS_COMMENT = re.compile(r"#[^\n]*")
 _UNIT = re.compile(r"\[([^\]]*)\]\s*")
-_MOST_PROBLEMS = 20  # of a file that are told
 
 ParsedProblem = tuple[int, str, str, tuple[str, ...]]
 """A line, what is wrong there, the remedy, and the types that are lost."""
@@ -96,7 +95,7 @@ def parse_file(file: LcmFile) -> Parsed:
     named = f"{file.package}/{file.path.stem}"
     if source.problems:
         lost = (named, *declared(source.text)[0])
-        found = [(one.line, one.what, one.hint, lost) for one in source.problems[:_MOST_PROBLEMS]]
+        found = [(one.line, one.what, one.hint, lost) for one in source.problems]
         return Parsed([], found)
     return _parsed(source, (named,))
 
