@@ -55,6 +55,12 @@ def are_near(one: str, other: str) -> bool:
     return _are_near_patterns(*sorted((first, second)))
 
 
+def resembles(topic: str, other: str) -> bool:
+    """Return whether one topic may be meant by the other: of the same or a similar base name."""
+    bases = base_name_of(topic), base_name_of(other)
+    return bases[0] == bases[1] or are_near(topic, other) or are_near(*bases)
+
+
 def near_names(name: str, names: Iterable[str]) -> list[str]:
     """Return the names that are near to a name, those of the same numbers first."""
     numbers = re.findall(r"\d+", name)
