@@ -154,6 +154,7 @@ def import_(
         as_json=as_json,
         more=report.record,
         types=reading.types.values(),
+        nodes=reading.nodes(),
     )
     for text in report.rows():
         write_note(text)
