@@ -20,6 +20,7 @@ from lcmtools.cli.bag.common import (
     stamp_option,
     topic_choice,
     topics_option,
+    values_options,
     window_options,
     write,
 )
@@ -112,8 +113,7 @@ def export_(
     "bag import odometry.csv ride.lcmlog --type nav_msgs/Odometry --as /odometry",
 )
 @places
-@option("--type", "type_", metavar="TYPE", help="The type of the values in a CSV file.")
-@option("--as", "topic", metavar="TOPIC", help="The topic of a CSV file, or of all JSON lines.")
+@values_options
 @topics_option
 @exclude_option
 def import_(

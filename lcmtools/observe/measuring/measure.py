@@ -339,14 +339,16 @@ class Measurement(Generic[ItemT, FoundT]):
 
     def _notify_missing(self) -> None:
         """Say the same for a log, and whether its times make the measurement useless."""
+        condition = f" with {self._options.condition}" if self._options.condition else ""
         if len(self._silent) == len(self._topics):
             topics = ", ".join(self._topics)
             hint = self._stream.near(self._topics[0])
-            raise LcmtoolsError(f"the log has no message on {topics}", hint)
+            raise LcmtoolsError(f"the log has no message on {topics}{condition}", hint)
         if self._goes_back:
             self._notify("the times of the log go back; lcmtools bag sort sorts them")
         for topic in self._silent:
-            self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
+            hint = self._stream.near(topic)
+            self._notify(f"the log has no message on {topic}{condition}; {hint}")
 
 
 def _clock() -> tuple[float, float]:
