@@ -183,10 +183,7 @@ class ArrivalStream:
 
     def near(self, topic: str) -> str:
         """Return the topic of a log that was probably meant, or the topics that the log has."""
-        known = self._recorded()
-        if not {*known}.isdisjoint(self._names.spellings(topic)):
-            return self.contents()
-        hint = near_topic(known, topic, self._names)
+        hint = near_topic(self._recorded(), topic, self._names)
         return hint if hint.startswith("did you mean") else self.contents()
 
     def silent(self) -> list[str]:

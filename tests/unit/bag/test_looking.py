@@ -68,12 +68,6 @@ def test_a_log_answers_as_a_bus_does(words, out, look):
     assert look(*shlex.split(words)) == (0, out, "")
 
 
-def test_a_condition_that_nothing_meets_is_named_not_the_same_topic(look):
-    code, _, error = look("hz", "PROBE", "--filter", "m.data > 1000")
-    assert code == 1
-    assert_says(error, "the log has no message on PROBE with m.data > 1000; it has /speed, PROBE")
-
-
 def test_info_has_the_recorded_senders(look):
     _, out, _ = look("info", "/speed", "PROBE", "-v")
     assert " * /driver (ada, pid 1)\n" in out
