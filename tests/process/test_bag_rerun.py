@@ -13,6 +13,7 @@ from fixtures.says import assert_says
 
 import lcmtools.bag
 from lcmtools import Node
+from lcmtools.bag.rerunning.private_bus import PrivateBus
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import UsageError
 from lcmtools.packages.cpp import compiler_flags
@@ -394,3 +395,15 @@ def test_ctrl_c_leaves_no_process(log, start, lcmtools_path, tmp_path, *, is_pla
     runner.send_signal(signal.SIGINT)
     assert runner.wait() == 130
     assert is_gone(int(pid.read_text()))
+
+
+@pytest.mark.parametrize("is_given", [True, False])
+def test_a_stranger_cannot_connect_to_the_bus(is_given):
+    with PrivateBus() as bus:
+        port = bus.url.rpartition(":")[2]
+        text = f"import socket; print(socket.create_connection(('127.0.0.1', {port})).recv(8))"
+        words, given = [sys.executable, "-c", text], {"LCM_DEFAULT_URL": bus.url}
+        with subprocess.Popen(words, stdout=subprocess.PIPE, env=given if is_given else {}) as one:
+            while one.poll() is None:
+                bus.turn(0.05)
+            assert (one.stdout.read() != b"b''\n", bus.count) == (is_given, int(is_given))
