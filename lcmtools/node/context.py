@@ -11,7 +11,7 @@ from threading import get_ident
 from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
-from lcmtools.bus.base import Bus, runs_callbacks
+from lcmtools.bus.base import Bus
 from lcmtools.bus.listeners import PlainListeners
 from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
@@ -83,7 +83,6 @@ class Context:
     ) -> None:
         self.default_namespace = resolve_namespace(usual_namespace(environment))
         self.bus, self.url = bus, url
-        self._runs_callbacks = runs_callbacks(bus)
         bus.on_outage = self._warn
         bus.on_received = self.wake
         self.arguments = arguments
@@ -180,7 +179,7 @@ class Context:
                 if wakeup is None:
                     wakeup = self._add_wakeup(thread)
                     continue  # a ``wake`` may have missed it
-                turn.thread = thread if self._runs_callbacks else 0
+                turn.thread = thread if self.bus.runs_callbacks else 0
                 is_long = wait is None or wait > _LONGEST_WAIT
                 self.bus.wait(wakeup, _LONGEST_WAIT if is_long else wait)
                 turn.thread = 0
