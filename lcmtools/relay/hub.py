@@ -10,6 +10,7 @@ arrives late.
 
 import contextlib
 import errno
+import re
 import selectors
 import socket
 import struct
@@ -34,7 +35,7 @@ from lcmtools.relay.bulk_connection import BULK_BYTES
 from lcmtools.relay.fair_queue import LATE, FairQueue
 from lcmtools.text_table import plural
 from lcmtools.wire import tcpq
-from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.tcpq import Frame
 
@@ -71,7 +72,7 @@ class _Client:  # one client: its connection, its patterns, and the frames that 
         self.large: _Client | None = None  # its second connection, for large messages
         self.since = now
         self.reader = tcpq.FrameReader()
-        self.patterns: dict[str, ChannelPattern] = {}
+        self.patterns: dict[str, re.Pattern[str]] = {}
         self.times: Counter[str] = Counter()  # how often each pattern is subscribed to
         self.heard = now  # the last time that it may have received something
         self.counted = 0  # dropped messages that the hub has counted
@@ -99,12 +100,12 @@ class _Client:  # one client: its connection, its patterns, and the frames that 
 
     def matches(self, channel: str) -> bool:
         """Return whether it subscribes to a channel."""
-        return any(pattern.matches(channel) for pattern in self.patterns.values())
+        return any(pattern.fullmatch(channel) for pattern in self.patterns.values())
 
     def subscribe(self, pattern: str) -> None:
         """Add a pattern; PatternError is raised if it cannot be parsed."""
         if pattern not in self.patterns:
-            self.patterns[pattern] = ChannelPattern(pattern)
+            self.patterns[pattern] = compile_pattern(pattern)
         self.times[pattern] += 1
 
     def unsubscribe(self, pattern: str) -> None:

@@ -5,6 +5,7 @@ publish, each client's in order, without loss. Must not know logs or processes.
 """
 
 import contextlib
+import re
 import selectors
 import socket
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from contextlib import AbstractContextManager
 from typing import NamedTuple
 
 from lcmtools.wire import tcpq
-from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
 _READ_BYTES = 1 << 18
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
@@ -24,7 +25,7 @@ class Client:
     def __init__(self, connection: socket.socket, number: int) -> None:
         self.connection, self.number = connection, number
         self.name = ""
-        self.patterns: dict[str, ChannelPattern] = {}
+        self.patterns: dict[str, re.Pattern[str]] = {}
         self.reader = tcpq.FrameReader()
         self._known: dict[str, bool] = {}
         self._unsent = bytearray(tcpq.SERVER_GREETING)
@@ -38,7 +39,7 @@ class Client:
         """Return whether it subscribes to a channel."""
         known = self._known.get(channel)
         if known is None:
-            found = any(pattern.matches(channel) for pattern in self.patterns.values())
+            found = any(pattern.fullmatch(channel) for pattern in self.patterns.values())
             known = self._known[channel] = found
         return known
 
@@ -49,7 +50,7 @@ class Client:
             self.patterns.pop(frame.name, None)
         else:
             with contextlib.suppress(PatternError):  # it receives nothing by that
-                self.patterns[frame.name] = ChannelPattern(frame.name)
+                self.patterns[frame.name] = compile_pattern(frame.name)
 
     def send(self, data: bytes = b"") -> bool:
         """Send as much as the connection accepts; return True if nothing waits.
