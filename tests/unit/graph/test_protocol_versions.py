@@ -146,15 +146,6 @@ def test_this_version_writes_a_message_as_version_1_does():
     assert encode_shutdown(Shutdown("1-abc", 8, "someone")) == _BYTES["shutdown"]
 
 
-def test_of_an_announcement_before_version_1_the_head_is_read():
-    node = Node("/husky0/driver", "1-abc", "robot", 4711, 1_700_000_000_000_000_000)
-    node = node._replace(command="python driver.py", version=0, has_details=False)
-    payload = _BYTES["announcement before version 1"]
-    assert decode_announcement(payload) == Announcement(node, answers=77)
-    assert head_of(payload).identity
-    assert all(decode_announcement(payload[:end]) is None for end in range(100))
-
-
 def _newer(payload, *, roles=True):
     """Return an announcement as of a later version: more in each place that may grow."""
     message = decode(msgs.Announcement, payload)
