@@ -76,24 +76,26 @@ class Binding(Generic[M, V]):
     ) -> None:
         own = set(struct.__slots__).difference(without, converted)
         names: Iterable[str] = value.__match_args__  # type: ignore[attr-defined]
-        self._same = [name for name in names if name in own]
+        empty = struct()
+        same = (name for name in names if name in own)
+        self._same = {name: isinstance(getattr(empty, name), list) for name in same}
         self._struct, self._value, self._converted = struct, value, converted
 
     def message(self, value: V, **more: object) -> M:
         """Return the struct of a value, with more fields."""
-        for name in self._same:
+        for name, is_array in self._same.items():
             field = getattr(value, name)
-            more[name] = list(field) if isinstance(field, tuple) else field
+            more[name] = list(field) if is_array else field
         for name, (write, _) in self._converted.items():
             more[name] = write(getattr(value, name))
         return self._struct(**more)
 
     def values(self, message: M) -> dict[str, Any]:
         """Return the fields of a value, by name; a reader of ``converted`` may raise its errors."""
-        found = {}
-        for name in self._same:
+        found: dict[str, Any] = {}
+        for name, is_array in self._same.items():
             field = getattr(message, name)
-            found[name] = tuple(field) if isinstance(field, list) else field
+            found[name] = tuple(field) if is_array else field
         for name, (_, read) in self._converted.items():
             found[name] = read(getattr(message, name))
         return found

@@ -16,7 +16,7 @@ from lcmtools.names import check_channel
 from lcmtools.observe.reading.losses import Loss, losses
 from lcmtools.relay.bulk_connection import BULK_BYTES, BulkConnection
 from lcmtools.relay.echo import EchoFilter
-from lcmtools.relay.line_queue import LineMessage
+from lcmtools.relay.fair_queue import LineMessage
 from lcmtools.wire.packet import Packet, Sender
 
 _NAP = 0.0002  # [s] that messages of a stream wait to be read together
@@ -55,9 +55,6 @@ class BusEnd(Protocol):
     def losses(self) -> Mapping[Sender, Loss]:
         """Return the messages that did not arrive here."""
 
-    def clear(self) -> None:
-        """Send nothing of what still waits, where that is possible."""
-
     def close(self) -> None:
         """Leave the bus."""
 
@@ -90,9 +87,6 @@ class _UdpmEnd:  # an end at a multicast group
     def losses(self) -> Mapping[Sender, Loss]:
         numbered = {k: v for k, v in self._tap.numbered.items() if not self._is_own(k)}
         return losses(numbered)
-
-    def clear(self) -> None:
-        pass
 
     def close(self) -> None:
         self._tap.close()
@@ -139,9 +133,6 @@ class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin w
     def losses(self) -> Mapping[Sender, Loss]:
         return losses(self._listener.numbered)
 
-    def clear(self) -> None:
-        pass
-
     def close(self) -> None:
         self._listener.close()
 
@@ -164,11 +155,11 @@ class _TcpqEnd:  # an end at a server, which sends everything back
 
     @property
     def dropped(self) -> int:
-        return self._bulk.failed + self._bulk.queue.dropped
+        return self._bulk.failed + self._bulk.queue.waiting.dropped
 
     @property
     def dropped_of(self) -> Mapping[str, int]:
-        return self._bulk.queue.dropped_of
+        return self._bulk.queue.waiting.dropped_of
 
     def receive(self, timeout: float) -> list[Packet]:
         try:
@@ -194,9 +185,6 @@ class _TcpqEnd:  # an end at a server, which sends everything back
 
     def losses(self) -> Mapping[Sender, Loss]:
         return {}
-
-    def clear(self) -> None:
-        self._bulk.queue.clear()
 
     def close(self) -> None:
         self._bulk.close()

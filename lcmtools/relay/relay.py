@@ -2,14 +2,11 @@
 
 No message comes back, runs in a loop or arrives twice. A relay never receives its own messages:
 they come from its own ports, or are a server's echo. If there are several relays, those that
-``topology`` chooses carry messages; the others stand by and pass nothing on. Messages from the
-ports of a relay that should stand by are ignored, so that two relays that do not know of each other
-yet make no loop. A relay waits before it carries, to hear of others first (see ``hold``). UDP
-multicast carries nothing with a message: the sender's port identifies the relay, whose report tells
-what it brings.
+``topology`` chooses carry messages; the others stand by and pass nothing on. A relay waits before
+it carries, to hear of others first (``topology.Hold``).
 
-When a carrying relay says goodbye, another one takes over at once; when it is killed, after the
-time in which silent nodes become stale.
+When a carrying relay says goodbye, another one takes its place at once; when it is killed, after
+the time in which silent nodes become stale.
 """
 
 import contextlib
@@ -33,11 +30,10 @@ from lcmtools.names import check_node
 from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.announcing import Announced
 from lcmtools.relay.ends import bus_name, open_end
-from lcmtools.relay.hold import Hold
-from lcmtools.relay.line_queue import LineMessage
+from lcmtools.relay.fair_queue import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
-from lcmtools.relay.topology import KnownRelays
+from lcmtools.relay.topology import Hold, KnownRelays
 from lcmtools.wire.packet import Packet
 
 _EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost
@@ -116,7 +112,7 @@ class Relay(AbstractContextManager["Relay"]):
         """Send waiting messages for a moment, say goodbye and leave the buses."""
         self._ends.set()
         deadline = time.monotonic() + _FLUSH
-        while any(side.queue.is_waiting for side in self._sides) and time.monotonic() < deadline:
+        while any(side.queue for side in self._sides) and time.monotonic() < deadline:
             time.sleep(0.005)
         self._stopped.set()
         for side in self._sides:
@@ -210,8 +206,7 @@ class Relay(AbstractContextManager["Relay"]):
         elif packet.channel == protocol.RELAY_CHANNEL:
             report = decode_report(packet.payload)
             end, now = self._sides[index].identifier, time.monotonic_ns()
-            address = packet.sender.address if packet.sender else ""
-            if report and self._known.add_report(report, end, now, address):
+            if report and self._known.add_report(report, end, now):
                 self._repeat_latched(index)  # for a relay that is new or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
@@ -287,9 +282,7 @@ class Relay(AbstractContextManager["Relay"]):
 
     def _decide(self, now: float) -> None:
         active, own = self._known.carrying(), self._known.own.id
-        for side in self._sides:
-            side.idle = self._known.idle(side.identifier, active)
-        self._hold.update(self._known.links(), active, now)
+        self._hold.update(self._known.own, now)
         waits = self._waits(now)
         self._say_awaited(self._hold.awaited(now) if waits else "")
         carries = own in active and not waits
@@ -308,10 +301,8 @@ class Relay(AbstractContextManager["Relay"]):
                 self._repeat_latched(index)
                 side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         else:
-            for side, announced in zip(self._sides, self._announced, strict=True):
+            for side in self._sides:
                 side.queue.clear()  # it would mix with the next relay's messages
-                side.end.clear()
-                announced.forget()
         self._report(now)
 
     def _waits(self, now: float) -> bool:

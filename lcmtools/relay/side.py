@@ -19,8 +19,7 @@ from lcmtools.messages.registry import candidates
 from lcmtools.observe.simulators import is_simulator
 from lcmtools.relay.announcing import heard_of_programs, is_young, renamed
 from lcmtools.relay.ends import BusEnd
-from lcmtools.relay.fair_queue import LATE
-from lcmtools.relay.line_queue import LineMessage, LineQueue
+from lcmtools.relay.fair_queue import LATE, LineMessage, LineQueue
 from lcmtools.relay.rules import INTERNAL, Direction, Reason, Route
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
@@ -40,8 +39,6 @@ class Side:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
         self.queue = LineQueue()  # messages that wait to be sent to the bus
-        # Senders on this bus that belong to relays which should not carry messages.
-        self.idle: frozenset[Sender] = frozenset()
         # Topics that do not pass because they are not named exactly, with their names there.
         self.commands: dict[str, str] = {}
         self.named_only: dict[str, None] = {}  # the names in the options of topics that need them
@@ -66,26 +63,26 @@ class Side:
         """Return the messages of the protocol among these, and the messages for the other bus."""
         talk, passed = [], []
         takes_origin = other.end.takes_origin
-        idle, routes, left_out, late = self.idle, self._routes, 0, 0
+        routes, left_out, late = self._routes, 0, 0
         due, oldest = time.monotonic() + LATE, time.time_ns() - LATE * 1e9
         for packet in packets:
             channel, payload = packet.channel, packet.payload
             if channel in TALK_CHANNELS:
                 talk.append(packet)
-            elif not (idle and packet.sender in idle):
-                route = routes.get((channel, payload[:8])) or self._route(packet, other)
-                if route.reason or (route.period and self._is_too_soon(packet, route.period)):
-                    left_out += passes
-                elif packet.time < oldest and not route.latched:  # held up before it came here
-                    late += passes
-                else:
-                    origin = origin_of(packet) if takes_origin else None
-                    until = math.inf if route.latched else due
-                    message = LineMessage(route.name, payload, route.newest, origin, until)
-                    passed.append(message)
-                    if route.latched or len(payload) <= _SMALL:
-                        # also while standing by, for a takeover
-                        self._keep(packet, message, is_latched=route.latched)
+                continue
+            route = routes.get((channel, payload[:8])) or self._route(packet, other)
+            if route.reason or (route.period and self._is_too_soon(packet, route.period)):
+                left_out += passes
+            elif packet.time < oldest and not route.latched:  # held up before it came here
+                late += passes
+            else:
+                origin = origin_of(packet) if takes_origin else None
+                until = math.inf if route.latched else due
+                message = LineMessage(route.name, payload, route.newest, origin, until)
+                passed.append(message)
+                if route.latched or len(payload) <= _SMALL:
+                    # also while standing by, for a takeover
+                    self._keep(packet, message, is_latched=route.latched)
         self._left_out += left_out
         self.late += late
         with self._lock:
@@ -135,7 +132,7 @@ class Side:
 
     def full_line(self, now: float) -> tuple[FullLine, ...]:
         """Return the line to this bus, if it takes less than it gets; ``now`` is monotonic [s]."""
-        queue, of_end = self.queue, dict(self.end.dropped_of)  # may grow meanwhile
+        queue, of_end = self.queue.waiting, dict(self.end.dropped_of)  # may grow meanwhile
         dropped = dict(queue.dropped_of)
         for channel, number in of_end.items():
             dropped[channel] = dropped.get(channel, 0) + number
@@ -225,7 +222,7 @@ class Side:
             messages=self._messages,
             bytes=self._bytes,
             left_out=self._left_out,
-            dropped=self._failed + self.queue.dropped + self.end.dropped + late,
+            dropped=self._failed + self.queue.waiting.dropped + self.end.dropped + late,
             lost=sum(loss.lost for loss in self.end.losses().values()),
             commands=other.awaited(self.commands) if other and self.commands else (),
         )

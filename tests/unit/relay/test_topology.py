@@ -6,8 +6,7 @@ from itertools import combinations, product
 import pytest
 
 from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
-from lcmtools.relay.topology import KnownRelays, carrying
-from lcmtools.wire.packet import Sender
+from lcmtools.relay.topology import Hold, KnownRelays, carrying
 
 SECOND = 1_000_000_000
 
@@ -52,6 +51,13 @@ def test_the_oldest_of_parallel_relays_carries():
     assert carrying(_links(((0, 1), (0, 1), (1, 0)))) == {"0"}
 
 
+def test_a_relay_that_carries_goes_on_when_an_older_one_is_back():
+    older, younger = _links(((0, 1), (0, 1)))
+    assert carrying([older, replace(younger, state=State.ACTIVE)]) == {"1"}
+    both = [replace(one, state=State.ACTIVE) for one in (older, younger)]
+    assert carrying(both) == {"0"}  # neither has heard of the other before
+
+
 def test_one_of_a_ring_stands_by():
     assert carrying(_links(((0, 1), (1, 2), (2, 0)))) == {"0", "1"}
 
@@ -77,7 +83,9 @@ def test_a_report_comes_back_as_it_was():
     end = End("a/0", "udpm://", ("b/1",), (7, 8), is_up=False, trouble="down", lost=5)
     link = Link("a", "/r", "host", (end, End("a/1")), State.ACTIVE, 9)
     report = Knowledge("a/0", (link,))
-    assert decode_report(encode_report(report)) == report
+    decoded = decode_report(encode_report(report))
+    assert decoded == report
+    assert isinstance(decoded.links[0].ends[0].ports, tuple)  # as JSON needs it
     assert decode_report(b"nothing") is None
 
 
@@ -138,31 +146,51 @@ def test_relays_do_not_keep_a_dead_one_alive_by_telling_each_other_of_it():
     assert one.add_report(Knowledge("0/0", (back,)), "1/0", 10 * SECOND)
 
 
-def test_the_senders_of_a_relay_that_stands_by_are_known():
+def test_an_end_that_is_heard_on_both_buses_may_fall_silent():
     pairs = ((0, 1), (0, 1))
-    younger = _links(pairs)[1]
-    ports = tuple(replace(end, ports=(5, 6)) for end in younger.ends)
     known = _known(pairs, 0)
-    report = Knowledge("1/0", (replace(younger, ends=ports, number=1),))
-    known.add_report(report, "0/0", 0, "10.0.0.2")
-    assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", 5), Sender("10.0.0.2", 6)}
-    assert known.idle("0/1", {"0"}) == frozenset()  # not heard there
-    assert known.idle("0/0", {"0", "1"}) == frozenset()
-
-
-@pytest.mark.parametrize("ports", [(), (5,)])
-def test_an_end_that_is_heard_on_both_buses_may_fall_silent(ports):
-    pairs = ((0, 1), (0, 1))
-    younger = _links(pairs)[1]
-    ends = tuple(replace(end, ports=ports) for end in younger.ends)
-    known = _known(pairs, 0)
-    report = Knowledge("1/0", (replace(younger, ends=ends, number=1),))
-    known.add_report(report, "0/0", 0, "10.0.0.2")
-    known.add_report(report, "0/1", SECOND, "10.0.0.3")  # by a forwarder, or a stranger
-    assert known.idle("0/0", {"0"}) == {Sender("10.0.0.2", port) for port in ports}
-    assert known.idle("0/1", {"0"}) == {Sender("10.0.0.3", port) for port in ports}
+    report = Knowledge("1/0", (replace(_links(pairs)[1], number=1),))
+    known.add_report(report, "0/0", 0)
+    known.add_report(report, "0/1", SECOND)  # by a forwarder, or a stranger
     known.expire(3 * SECOND + 1)
     assert [end.heard for end in known.own.ends] == [(), ("1/0",)]
-    assert known.idle("0/1", {"0"}) == frozenset()  # the relay itself is forgotten
     known.expire(5 * SECOND)
     assert [end.heard for end in known.own.ends] == [(), ()]
+
+
+def _own(here="", there=""):
+    """A relay that hears one end on the robot's bus, and one over the line; "" for none."""
+    one, other = (
+        End(f"own/{number}", heard=(heard,) if heard else ())
+        for number, heard in enumerate((here, there))
+    )
+    return Link("own", "/own", "robot", (one, other))
+
+
+@pytest.mark.parametrize(
+    ("here", "there", "until", "awaited"),
+    [
+        ("", "", 100.7, ""),
+        ("beside/0", "", 105.0, "own/1"),  # who is parallel may answer over the line yet
+        ("", "office/1", 100.7, ""),  # the other bus is no line
+        ("beside/0", "office/1", 100.7, ""),
+    ],
+)
+def test_a_relay_waits_for_others_and_longer_for_those_over_a_line(here, there, until, awaited):
+    hold = Hold(["own/1"], 100.0)
+    hold.update(_own(here, there), 100.1)
+    assert hold.lasts(until - 0.1)
+    assert hold.awaited(until - 0.1) == awaited
+    assert not hold.lasts(until + 0.1)
+
+
+def test_a_line_that_falls_silent_is_waited_for_from_then_on():
+    hold = Hold(["own/1"], 100.0)
+    hold.update(_own("beside/0", "office/1"), 200.0)
+    assert not hold.lasts(200.0)
+    hold.update(_own("beside/0"), 203.0)
+    assert hold.lasts(204.9)
+    hold.begin(204.0)  # it was lost, and is back
+    assert hold.lasts(208.9)
+    hold.update(_own("beside/0", "office/1"), 206.0)
+    assert not hold.lasts(206.0)
