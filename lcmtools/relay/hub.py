@@ -21,6 +21,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NoReturn
 
+from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.bus.kernel import is_unanswered, keep_little_waiting
 from lcmtools.bus.line_buffer import LineBuffer
 from lcmtools.bus.url import BusUrl
@@ -43,8 +44,6 @@ _READ_BYTES = 1 << 18  # read from one client before it is the next one's turn
 _MOST_WAITING = 32 << 20  # most bytes that wait for a client
 _AT_ONCE = 4096  # bytes of frames that are passed to the system together
 _MOST_CLIENTS = 500
-_MOST_PATTERNS = 10_000  # of one client
-_MOST_CHANNELS = 10_000  # channels whose receivers are remembered
 _GREETING_TIME = 10.0  # [s] that a client has to send its greeting
 _SAME = 20  # first characters of a reason that identify a fault
 _CHECK_PERIOD = 0.25  # [s] between checks for clients that do not greet, or receive nothing
@@ -166,10 +165,10 @@ class Hub(AbstractContextManager["Hub"]):
         self.port = int(self._listener.getsockname()[1])
         self.counts = HubCounts()
         self._clients: dict[socket.socket, _Client] = {}
-        self._receivers: dict[str, list[_Client]] = {}
-        self._large: set[str] = set()  # channels that have had large messages
+        self._receivers = BoundedDict[str, list[_Client]]()
+        self._large = BoundedDict[str, bool]()  # channels that have had large messages
         self._changed: set[_Client] = set()
-        self._said: set[tuple[str, str]] = set()
+        self._said = BoundedDict[tuple[str, str], bool]()
         self._next_check = 0.0
         self._builder = GraphBuilder()
         self._selector = selectors.DefaultSelector()
@@ -282,8 +281,8 @@ class Hub(AbstractContextManager["Hub"]):
         if frame.kind != tcpq.SUBSCRIBE:
             client.unsubscribe(frame.name)
             return
-        if len(client.patterns) >= _MOST_PATTERNS:
-            raise tcpq.StreamError(f"it has more than {_MOST_PATTERNS} subscriptions")
+        if len(client.patterns) >= MOST_ENTRIES:
+            raise tcpq.StreamError(f"it has more than {MOST_ENTRIES} subscriptions")
         try:
             client.subscribe(frame.name)
         except PatternError as error:  # its other subscriptions may be valid
@@ -303,16 +302,11 @@ class Hub(AbstractContextManager["Hub"]):
 
     def _pass(self, message: Frame) -> None:
         if len(message.data) > BULK_BYTES and message.name not in self._large:
-            if len(self._large) >= _MOST_CHANNELS:
-                self._large.clear()
-            self._large.add(message.name)
+            self._large[message.name] = True
             self._receivers.pop(message.name, None)
-        receivers = self._receivers.get(message.name)
+        receivers = self._receivers.use(message.name)
         if receivers is None:
-            receivers = self._receivers_of(message.name)
-            if len(self._receivers) >= _MOST_CHANNELS:
-                self._receivers.clear()
-            self._receivers[message.name] = receivers
+            receivers = self._receivers[message.name] = self._receivers_of(message.name)
         now = time.monotonic()
         for client in receivers:
             client.add(message, now)
@@ -374,8 +368,8 @@ class Hub(AbstractContextManager["Hub"]):
 
     def _say(self, who: str, what: str, text: str) -> None:
         """Notify once about each client's fault: a broken client tries again and again."""
-        if (who, what) not in self._said and len(self._said) < _MOST_CHANNELS:
-            self._said.add((who, what))
+        if (who, what) not in self._said:
+            self._said[who, what] = True
             self._notify(text)
 
 

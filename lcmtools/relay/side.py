@@ -24,7 +24,7 @@ from lcmtools.relay.rules import INTERNAL, Direction, Reason, Route
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
-_MOST_ROUTES, _MOST_COMMANDS = 10_000, 20
+_MOST_COMMANDS = 20
 _MOST_BYTES = 64 << 20  # of the latest messages that are kept
 _WAIT = 0.1  # [s]
 _SMALL = 16 << 10  # largest message [byte] kept for a topic that is not known to be latched
@@ -50,10 +50,10 @@ class Side:
         self._own_nodes = BoundedDict[str, int](MOST_NODES, _MOST_BYTES)
         self._revisions = BoundedDict[bytes, bytes](MOST_NODES, _MOST_BYTES)
         self._lock = threading.Lock()  # guards the graph
-        self._routes: dict[tuple[str, bytes], Route] = {}
-        self._next = BoundedDict[str, float](_MOST_ROUTES)
+        self._routes = BoundedDict[tuple[str, bytes], Route]()
+        self._next = BoundedDict[str, float]()
         # The last messages of each sender on latched topics, and on those not known to be latched.
-        self._latched, self._last = (_Latest(_MOST_ROUTES, _MOST_BYTES) for _ in range(2))
+        self._latched, self._last = (_Latest(most_bytes=_MOST_BYTES) for _ in range(2))
         self._messages = self._bytes = self._left_out = self._failed = 0
         self.late = 0  # messages from this bus that were held up before they came here
 
@@ -146,7 +146,7 @@ class Side:
 
     def forget_routes(self) -> None:
         """Recompute which topics pass, because nodes have come or gone."""
-        self._routes = {}
+        self._routes = BoundedDict[tuple[str, bytes], Route]()
         with self._lock:
             self._graph = None
 
@@ -232,8 +232,6 @@ class Side:
         obeyed = not isinstance(name, Reason) and other.obeyed(name)
         route = self.direction.route(packet.channel, self._types(packet), obeyed=obeyed)
         route = replace(route, latched=self.graph().topic(packet.channel).is_latched)
-        if len(self._routes) >= _MOST_ROUTES:
-            self._routes.clear()
         self._routes[packet.channel, packet.payload[:8]] = route
         self.has_new_route = True
         if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:

@@ -14,10 +14,10 @@ begins with the time of the start: the oldest carries, and goes on until it ends
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
+from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.graph.model import STALE_AFTER
 from lcmtools.graph.relay_report import End, Knowledge, Link, State
 
-_MOST_RELAYS = 1000
 _HOLD = 0.7  # [s]
 _DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``bus.zenoh.config``), a server in about 1
 
@@ -106,7 +106,7 @@ class KnownRelays:
     def __init__(self, own: Link) -> None:
         self.own = own
         self._others: dict[str, tuple[Link, int]] = {}  # with the time of its newest report
-        self._forgotten: dict[str, int] = {}  # with their last numbers, as others may repeat these
+        self._forgotten = BoundedDict[str, int]()  # last numbers, as others may repeat these
         # When the ends of others were heard last, at each own end.
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
@@ -119,7 +119,7 @@ class KnownRelays:
             known = self._others.get(link.id)
             number = known[0].number if known else self._forgotten.get(link.id, -1)
             is_newer = link.number > number
-            if link.id != self.own.id and is_newer and len(self._others) < _MOST_RELAYS:
+            if link.id != self.own.id and is_newer and len(self._others) < MOST_ENTRIES:
                 self._others[link.id] = link, now
                 self._forgotten.pop(link.id, None)
         self._refresh(now)
@@ -131,8 +131,6 @@ class KnownRelays:
         for link, time in list(self._others.values()):
             if now - time > (STALE_AFTER if link.state is not State.LEFT else 3 * STALE_AFTER):
                 del self._others[link.id]
-                if len(self._forgotten) >= _MOST_RELAYS:
-                    self._forgotten.clear()
                 self._forgotten[link.id] = link.number
         self._refresh(now)
         return self._essence() != before

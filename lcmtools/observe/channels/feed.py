@@ -31,7 +31,7 @@ _PERIOD = 0.4  # [s] between two snapshots, unless another time is given
 _WINDOW = 2.0  # [s] over which rates are measured
 _SOON = 0.1  # [s] between the first few, and the longest wait for the bus
 _FIRST = 10  # snapshots without losses: while the screen is set up, this process may miss messages
-_MOST_KEPT, _MOST_KEPT_BYTES = 4000, 256_000_000  # last messages of channels
+_MOST_KEPT_BYTES = 256_000_000  # last messages of channels
 _LOG = "/rosout"
 _MOST_LINES, _MOST_LINES_BYTES = 400, 4_000_000  # last messages of the nodes' log
 _MOST_ROWS = 1000  # of the table
@@ -104,7 +104,7 @@ class Feed:
             monitor.tap.longest_nap = LONG_NAP
         self.listens_to_all = self.listens_to_large = True
         self.keeps_last = keeps_last
-        self._last = BoundedDict[str, Packet](_MOST_KEPT, _MOST_KEPT_BYTES)
+        self._last = BoundedDict[str, Packet](most_bytes=_MOST_KEPT_BYTES)
         self._lines = BoundedDict[int, Packet](_MOST_LINES, _MOST_LINES_BYTES)
         self._numbers = count()
         self._keeping = threading.Lock()

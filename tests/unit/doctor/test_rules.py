@@ -17,7 +17,7 @@ from fixtures.judging import (
     sub,
 )
 
-from lcmtools.doctor.evidence import Evidence, LcmProcess, LogLine, SenderFacts
+from lcmtools.doctor.evidence import Evidence, LcmProcess, LogLine, SenderFacts, derived
 from lcmtools.doctor.findings import Severity
 from lcmtools.doctor.rules import RULES
 from lcmtools.graph.model import CallbackError, Endpoint, Graph, Node, Role, Staleness, Traffic
@@ -356,3 +356,16 @@ def test_what_came_repeatedly_has_lost_its_publisher():
     evidence = Evidence("udpm://", graph=graph, processes=(LcmProcess(9, "driver"),))
     (finding,) = [f for f in judge(evidence) if f.rule == "unconnected-subscriptions"]
     assert finding.severity is Severity.WARNING
+
+
+def test_functions_of_one_name_in_two_modules_derive_two_values():
+    def of_module(name, value):
+        def shares(_):
+            return value
+
+        shares.__module__ = name
+        return derived(shares)
+
+    evidence = Evidence("udpm://239.255.76.67:7667")
+    one, other = of_module("a", 1), of_module("b", 2)
+    assert [one(evidence), other(evidence), one(evidence)] == [1, 2, 1]
