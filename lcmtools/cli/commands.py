@@ -44,17 +44,17 @@ cleanup  cli.node.list:cleanup     Forget nodes that were killed.
 """)
 node = _group("node", "Query nodes, and end them.", _NODE, "list", "info simple_controller")
 _MSG = _entries("""\
-list         cli.msg:list_types         List the message types.
-show         cli.msg:show_type          Show the fields of a message type.
-proto        cli.msg:proto              Print a message to fill in, for pub.
-find-field   cli.msg:find_field         Find types by a field's name.
-package      cli.msg:package_command    List the message types of a package.
-packages     cli.msg:packages_command   List the packages.
-fingerprint  cli.msg:print_fingerprint  Print a type's fingerprint.
-build        cli.msg:build              Check and compile your own .lcm files.
-generate     cli.msg:generate_code      Write C, C++, Java or Python code.
-info         cli.msg:show_type          = show, as ROS.
-md5          cli.msg:print_fingerprint  = fingerprint, as ROS.
+list         cli.msg:list_types           List the message types.
+show         cli.msg:show_type            Show the fields of a message type.
+proto        cli.msg:proto                Print a message to fill in, for pub.
+find-field   cli.msg:find_field           Find types by a field's name.
+package      cli.msg:package_command      List the message types of a package.
+packages     cli.msg:packages_command     List the packages.
+fingerprint  cli.msg:print_fingerprint    Print a type's fingerprint.
+build        cli.msg_build:build          Check and compile your own .lcm files.
+generate     cli.msg_build:generate_code  Write C, C++, Java or Python code.
+info         cli.msg:show_type            = show, as ROS.
+md5          cli.msg:print_fingerprint    = fingerprint, as ROS.
 """)
 msg = _group("msg", "Show message types.", _MSG, "list", "show geometry_msgs/Twist", has_bus=False)
 _PKG = _entries("""\

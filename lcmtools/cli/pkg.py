@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
-from lcmtools.cli.msg import build_folders
+from lcmtools.cli.msg_build import build_folders
 from lcmtools.cli.negative_numbers import CommandWithDeps
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import write_note, write_result
