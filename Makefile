@@ -17,7 +17,7 @@ SLOW_JOBS ?= 3
 # -e: sources are used in place; empty: what is installed is what a user would get
 EDITABLE ?= -e
 BIN := $(VENV)/bin
-PURE := $(addprefix tests/,unit files types house cli)
+PURE := $(addprefix tests/,unit doctor files types house cli)
 LIVE := $(addprefix tests/,process physics)
 TIMED = $(shell grep -rl mark.timing $(PURE) $(LIVE))
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui cpp endure)

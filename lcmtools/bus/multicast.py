@@ -105,11 +105,11 @@ def receiving_socket(
         mark(receiver, SELECTIVE if program and attach(receiver, program) else ANNOUNCED)
         # bound to the group itself, so that other groups on the same port stay out
         receiver.bind((url.host, url.port))
+        if not is_brief:  # before it joins: what changes from now on is reported
+            network_watch.follow(receiver, url.host)
         with _explained(url, _FEW_MEMBERSHIPS):
             join(receiver, url.host)
         join_loopback(receiver, url.host)
-        if not is_brief:
-            network_watch.follow(receiver, url.host)
         stack.pop_all()
     return receiver
 

@@ -13,6 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from lcmtools.bus.base import Faults, Handler, refusal, start_thread
+from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.receive_right import ReceiveRight
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent, wait_readable
@@ -284,25 +285,25 @@ class ReceivingBus(ABC):
 
     def _wait_for_messages(self, event: WakeupEvent | None, timeout: float | None) -> bool:
         """Wait for messages, requests or an event; return True if messages were handled."""
-        own, event_number = self._right.wakeup, -1
+        own, network = self._right.wakeup, network_watch.descriptors
         try:
-            own_number = own.fileno()
-            descriptors = [own_number, *self._descriptors()]
+            wakes = [own.fileno(), *network]
             if event is not None:
-                event_number = event.fileno()
-                descriptors.append(event_number)
-            readable = wait_readable(descriptors, 0.0 if self._has_read() else timeout)
+                wakes.append(event.fileno())
+            longest = 0.0 if self._has_read() else network_watch.longest_wait(timeout)
+            readable = wait_readable([*wakes, *self._descriptors()], longest)
         except (OSError, ValueError):  # a signal handler has closed the bus
             return False
-        is_own_set, is_event_set = own_number in readable, event_number in readable
-        has_messages = len(readable) > is_own_set + is_event_set or self._has_read()
+        has_messages = self._has_read() or not set(readable).issubset(wakes)
         if has_messages:
             self._handle_messages()
-        if is_own_set:
+        if wakes[0] in readable:
             own.clear()
             self._serve_requests()
-        if event is not None and is_event_set:
+        if event is not None and wakes[-1] in readable:
             event.clear()
+        if not network or network[0] in readable:
+            network_watch.look()
         return has_messages
 
     def _handle_messages(self) -> None:

@@ -22,6 +22,7 @@ from lcmtools.wire.reassembly import Reassembler
 _GAP = 0.005  # [s] at most between the messages of a stream
 _GAP_NS = round(1e9 * _GAP)
 _MOST_AT_ONCE = 2048
+_TURNS = 256  # messages of a stream, after which there is a look at everything else
 _LATE = 1_000_000  # [ns]: a message that has waited longer is one of many
 _AT_FIRST = 1_000_000  # bytes of a large message that has room even before the first one comes
 _MOST_EARLY = 16 << 20  # bytes of messages that are kept before their first fragments come
@@ -103,6 +104,7 @@ class UdpBus(ReceivingBus):
                     or right.wakeup.is_set
                     or wakeup.is_set
                     or (timeout is not None and timeout < _GAP)
+                    or not right.turns % _TURNS  # the network may have changed
                     or not self._read_one(0)
                 )
             finally:

@@ -20,7 +20,6 @@ from lcmtools.messages.python_names import python_name
 from lcmtools.messages.registry import (
     Message,
     ServiceType,
-    default_registry,
     enum_class,
     enum_names,
     fingerprint,
@@ -28,6 +27,8 @@ from lcmtools.messages.registry import (
     packages,
     service_class,
     service_names,
+    type_file,
+    type_files,
     type_name,
     type_names,
 )
@@ -199,7 +200,7 @@ def sources_of(words: Sequence[str]) -> list[Path]:
         UnknownType: There is no such type or package, or the user has no own types.
         InvalidFile: A .lcm file is wrong.
     """
-    own = default_registry().files()
+    own = type_files()
     names: set[str] = set()
     enums = set() if words else {*enum_names()}
     for word in words or own:
@@ -219,7 +220,7 @@ def sources_of(words: Sequence[str]) -> list[Path]:
 def source_file(kind: type[Message]) -> str:
     """Return the path of a message type's file, a .lcm or ROS file."""
     name = type_name(kind)
-    return default_registry().file(name, fingerprint(kind)) or f"{shipped_folder() / name}.lcm"
+    return type_file(name, fingerprint(kind)) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:

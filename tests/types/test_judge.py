@@ -135,7 +135,8 @@ def assert_same(folder, text, package="judged"):
     assert lcm_gen(folder, text) == ""
     theirs = loaded(folder, package)
     environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
-    known = Registry([], UserTypes(environment, [], FINGERPRINTS))
+    types = UserTypes(environment, [], FINGERPRINTS)
+    known = Registry([], lambda: types)
     assert not known.problems()
     for name in known.enum_names():
         judge = getattr(theirs, name.rpartition("/")[2])

@@ -13,7 +13,7 @@ from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.enums import EnumValue
 from lcmtools.messages.fields import fields, visible_fields
-from lcmtools.messages.registry import default_registry, fingerprint, message_class
+from lcmtools.messages.registry import fingerprint, message_class, type_files
 from lcmtools.packages.type_classes import OwnMessage, find_class
 
 HERE = Path(__file__).parent
@@ -23,7 +23,7 @@ FAMILIES = sorted({path.relative_to(HERE).parts[0] for path in HERE.rglob("*.lcm
 @pytest.mark.parametrize("name", FAMILIES)
 def test_every_type_of_a_family_is_a_value(name, family):
     family(name)
-    names = list(default_registry().files())
+    names = list(type_files())
     assert names
     for cls in map(message_class, names):
         message = cls()

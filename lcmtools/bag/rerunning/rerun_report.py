@@ -74,7 +74,7 @@ def rows(result: Rerun) -> list[str]:
     found += [f"{topic.topic}: {line}" for topic in topics for line in _details(topic, result)]
     found += [f"note: {note}" for note in result.notes]
     found += [f"FAIL {line}" for line in result.trouble]
-    found += [f"  | {line}" for line in run.last_lines]
+    found += [f"  | {line}" for line in run.last_lines if result.trouble]
     return [*found, "equal" if result else "different"]
 
 
@@ -108,7 +108,7 @@ def record(result: Rerun) -> dict[str, object]:
         "topics": topics,
         "trouble": list(result.trouble),
         "notes": list(result.notes),
-        "last_lines": run.last_lines,
+        "last_lines": run.last_lines if result.trouble else [],
     }
 
 

@@ -15,9 +15,10 @@ from lcmtools.labs.checks.observations import (
     TrueState,
     seconds,
 )
+from lcmtools.labs.checks.path import LEAST_POSES
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.nav_msgs import Odometry
+from lcmtools.types.nav_msgs import Odometry, Path
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.rosgraph_msgs import Log as LogMessage
 
@@ -79,6 +80,13 @@ class RecordedRun:
             for recorded in self.topics.get(topic, ())
         ]
         return sorted(found, key=lambda command: command.time)
+
+    def path(self) -> list[tuple[float, float]]:
+        """Return the points of the first path that has some [m]."""
+        for _, message in self.messages(PATH, Path):
+            if len(message.poses) >= LEAST_POSES:
+                return [(one.pose.position.x, one.pose.position.y) for one in message.poses]
+        return []
 
     def observations(self, program: LabProgram) -> Observations:
         """Return the observations of a program's run in the log."""

@@ -181,7 +181,7 @@ class _Supply:
 def test_a_type_of_the_workspace_is_found_without_looking_at_installed_packages(monkeypatch):
     monkeypatch.setattr("lcmtools.messages.registry._load", lambda prefix, name: (prefix, name))
     shipped = TypeSource("shipped", FINGERPRINTS, SERVICES)
-    registry = Registry([shipped], _Supply())
+    registry = Registry([shipped], _Supply)
     assert registry.message_class("Bump") == ("lcmtools.types", "my_msgs/Bump")
     assert registry.message_class("geometry_msgs/Twist") == ("shipped", "geometry_msgs/Twist")
     assert registry.service_class("Go") == ("lcmtools.types", "my_srvs/Go")

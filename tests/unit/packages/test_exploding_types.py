@@ -62,7 +62,7 @@ def test_types_nested_too_deeply_are_refused(write, types_of):
 @pytest.mark.parametrize("depth", [0, 1, 5, 12])
 def test_fingerprints_are_those_of_lcm_gen(depth, write, types_of):
     types = types_of(write({"boom.lcm": doubled(12)}))
-    kind = Registry([], types).message_class(f"boom/T{depth}")
+    kind = Registry([], lambda: types).message_class(f"boom/T{depth}")
     recursive = kind._get_hash_recursive([])
     assert fingerprint(kind) == recursive == near(types).fingerprints[f"boom/T{depth}"]
     assert kind().encode()[:8] == struct.pack(">Q", recursive)
