@@ -44,7 +44,7 @@ NODE_CHANNEL = "/_lcmtools/node"
 PROBE_CHANNEL = "/_lcmtools/probe"
 SHUTDOWN_CHANNEL = "/_lcmtools/shutdown"
 RELAY_CHANNEL = "/_lcmtools/relay"
-TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
+PROTOCOL_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
 """The hidden channels of the protocol, which are not topics."""
 SOFTWARE = f"lcmtools {__version__}"
 """The name and version of this library, as its nodes announce it."""

@@ -50,19 +50,19 @@ class Link:
     number: int = 0  # number of its latest report
 
 
-class Knowledge(NamedTuple):
+class Report(NamedTuple):
     """Everything that a relay knows of relays, itself first."""
 
     end: str  # the id of the end that sends this
     links: tuple[Link, ...]
 
 
-def encode_report(report: Knowledge) -> bytes:
+def encode_report(report: Report) -> bytes:
     """Return the payload of a report."""
     return encode(RelayReport(end=report.end, links=_LINK.appendables(report.links)))
 
 
-def decode_report(payload: bytes) -> Knowledge | None:
+def decode_report(payload: bytes) -> Report | None:
     """Return the report in a payload, without links that cannot be read; None if there is none."""
     try:
         message = decode(RelayReport, payload)
@@ -72,7 +72,7 @@ def decode_report(payload: bytes) -> Knowledge | None:
     for one in message.links:
         with suppress(DecodeError, ValueError):
             links.append(_LINK.decode(one.data))
-    return Knowledge(message.end, tuple(links))
+    return Report(message.end, tuple(links))
 
 
 def _state(number: int) -> State:

@@ -29,7 +29,7 @@ from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.full_line import LineRates
 from lcmtools.graph.model import FullLine, Traffic
-from lcmtools.graph.protocol import NODE_CHANNEL, TALK_CHANNELS, head_of
+from lcmtools.graph.protocol import NODE_CHANNEL, PROTOCOL_CHANNELS, head_of
 from lcmtools.observe.reading.presence import Presence, own_node
 from lcmtools.relay.announcing import heard_of_programs
 from lcmtools.relay.bulk_connection import BULK_BYTES
@@ -403,7 +403,7 @@ def serve(
                 next_look = now + _LOOK_PERIOD
                 presence.tell(hub.observed(), hub.full_lines(now))
             for frame in hub.turn(_TURN):
-                if frame.name in TALK_CHANNELS:
+                if frame.name in PROTOCOL_CHANNELS:
                     presence.answer(frame.name, tcpq.payload_of(frame))
             on_turn(hub.counts)
     finally:

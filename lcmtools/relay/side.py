@@ -13,7 +13,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import MOST_NODES, GraphBuilder
 from lcmtools.graph.full_line import LineRates
 from lcmtools.graph.model import STALE_AFTER, FullLine, Graph, Traffic
-from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS, Announcement, head_of
 from lcmtools.graph.relay_report import End
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.simulators import is_simulator
@@ -61,14 +61,14 @@ class Side:
         self, packets: list[Packet], other: "Side", *, passes: bool
     ) -> tuple[list[Packet], list[LineMessage]]:
         """Return the messages of the protocol among these, and the messages for the other bus."""
-        talk, passed = [], []
+        of_protocol, passed = [], []
         takes_origin = other.end.takes_origin
         routes, left_out, late = self._routes, 0, 0
         due, oldest = time.monotonic() + LATE, time.time_ns() - LATE * 1e9
         for packet in packets:
             channel, payload = packet.channel, packet.payload
-            if channel in TALK_CHANNELS:
-                talk.append(packet)
+            if channel in PROTOCOL_CHANNELS:
+                of_protocol.append(packet)
                 continue
             route = routes.get((channel, payload[:8])) or self._route(packet, other)
             if route.reason or (route.period and self._is_too_soon(packet, route.period)):
@@ -86,8 +86,8 @@ class Side:
         self._left_out += left_out
         self.late += late
         with self._lock:
-            self._builder.add_all([x for x in packets if x.channel not in TALK_CHANNELS])
-        return talk, passed if passes else []
+            self._builder.add_all([x for x in packets if x.channel not in PROTOCOL_CHANNELS])
+        return of_protocol, passed if passes else []
 
     def _keep(self, packet: Packet, message: LineMessage, *, is_latched: bool) -> None:
         key = packet.channel, packet.sender
@@ -184,7 +184,7 @@ class Side:
 
     def _send(self, message: LineMessage) -> None:
         """Send a message and count it, even if that fails."""
-        counts = message.channel not in TALK_CHANNELS
+        counts = message.channel not in PROTOCOL_CHANNELS
         try:
             self.end.send(message)
         except LcmtoolsError:
@@ -193,11 +193,11 @@ class Side:
             self._messages += counts
             self._bytes += len(message.payload) if counts else 0
 
-    def talk(self, channel: str, payload: bytes) -> None:
+    def send_first(self, channel: str, payload: bytes) -> None:
         """Queue a message of the protocol."""
         self.queue.add_first(LineMessage(channel, payload))
 
-    def talk_now(self, channel: str, payload: bytes) -> None:
+    def send_now(self, channel: str, payload: bytes) -> None:
         """Send a message of the protocol, once no other thread is sending."""
         try:
             self.end.send(LineMessage(channel, payload))

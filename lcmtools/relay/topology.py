@@ -16,9 +16,9 @@ from dataclasses import replace
 
 from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.graph.model import STALE_AFTER
-from lcmtools.graph.relay_report import End, Knowledge, Link, State
+from lcmtools.graph.relay_report import End, Link, Report, State
 
-_HOLD = 0.7  # [s]
+_DELAY = 0.7  # [s]
 _DEAF = 5.0  # [s]; Zenoh detects a dead line in 4 (``bus.zenoh.config``), a server in about 1
 
 
@@ -60,7 +60,7 @@ class _Sets:  # disjoint sets
         return first != second
 
 
-class Hold:
+class StartDelay:
     """The time before a relay may begin to carry, in which it hears of others.
 
     Over a line their reports may come late: a relay that hears others on one bus but none over the
@@ -79,7 +79,7 @@ class Hold:
 
     def begin(self, now: float) -> None:
         """Start waiting, because a bus was lost or restored."""
-        self._until, self._deaf_until = now + _HOLD, now + _DEAF
+        self._until, self._deaf_until = now + _DELAY, now + _DEAF
 
     def update(self, own: Link, now: float) -> None:
         """Update from what the relay hears."""
@@ -110,7 +110,7 @@ class KnownRelays:
         # When the ends of others were heard last, at each own end.
         self._heard: dict[str, dict[str, int]] = {end.id: {} for end in own.ends}
 
-    def add_report(self, report: Knowledge, at_end: str, now: int) -> bool:
+    def add_report(self, report: Report, at_end: str, now: int) -> bool:
         """Add a report that arrived at an own end; return whether more than counts changed."""
         before = self._essence()
         if report.end not in self._heard or report.end != at_end:  # not this end's own echo

@@ -12,7 +12,7 @@ from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.tap import LONG_NAP
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.model import Graph
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS
 from lcmtools.observe.channels.activity import Activity
 from lcmtools.observe.channels.rows import (
     ChannelRow,
@@ -209,7 +209,9 @@ class Feed:
         for packet in packets:
             self._activity.add(packet)
         is_new = len(self._activity) > known and self._cost < _SOON / _SHARE
-        if is_new or (self._is_quiet and any(one.channel not in TALK_CHANNELS for one in packets)):
+        if is_new or (
+            self._is_quiet and any(one.channel not in PROTOCOL_CHANNELS for one in packets)
+        ):
             self._next_snapshot = 0.0
         if self._following.channels:
             for packet in packets:

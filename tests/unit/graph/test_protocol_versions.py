@@ -23,7 +23,7 @@ from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import VERSION, Endpoint, Node, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
-    TALK_CHANNELS,
+    PROTOCOL_CHANNELS,
     Announcement,
     Probe,
     Retained,
@@ -244,8 +244,8 @@ def test_values_of_later_enumerations_do_no_harm():
     link = decode_appendable(msgs.RelayLink, report.links[0].data)
     link.state = 9
     report.links[0].data = encode_appendable(link) + b"more"
-    knowledge = decode_report(encode(report) + b"more")
-    assert knowledge == _REPORT._replace(links=(replace(_REPORT.links[0], state=State.STANDBY),))
+    read = decode_report(encode(report) + b"more")
+    assert read == _REPORT._replace(links=(replace(_REPORT.links[0], state=State.STANDBY),))
 
 
 def test_a_link_that_cannot_be_read_costs_no_other():
@@ -256,7 +256,7 @@ def test_a_link_that_cannot_be_read_costs_no_other():
     assert decode_report(encode(report)) == _REPORT
 
 
-@pytest.mark.parametrize("channel", sorted(TALK_CHANNELS))
+@pytest.mark.parametrize("channel", sorted(PROTOCOL_CHANNELS))
 @pytest.mark.parametrize("payload", [b"", b"\1" * 8, b"\1" * 80, encode(String())])
 def test_an_unknown_message_on_a_channel_of_the_protocol_does_nothing(channel, payload):
     builder = GraphBuilder()

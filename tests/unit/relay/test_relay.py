@@ -28,7 +28,7 @@ def test_a_flood_of_probes_gets_few_answers_and_the_last_one_is_answered(monkeyp
         payload = encode_announcement(Announcement(Node(f"/n{number}", str(number), "ada", 7)))
         tested._hear(0, Packet(NODE_CHANNEL, payload, 0))
     told = []
-    monkeypatch.setattr(tested._sides[1], "talk", lambda channel, _: told.append(channel))
+    monkeypatch.setattr(tested._sides[1], "send_first", lambda channel, _: told.append(channel))
     for _ in range(200):
         tested._hear(1, Packet(PROBE_CHANNEL, encode_probe(Probe()), 0))
     assert 100 <= told.count(NODE_CHANNEL) < 50 * 100
