@@ -23,11 +23,12 @@ _HERE, _AWAY, _OUTSIDE = 1, 2, 3  # before ``come``: receiving, in a callback, i
 
 
 class ReceiveRight:
-    """The right to receive from a bus; a context manager for the bus's own thread.
+    """The right to receive from a bus.
 
     Attributes:
         is_lendable: True if other threads may lead.
         lead: Held by the leader; nothing waits for it.
+        receiving: Held by the bus's own thread while it receives, after ``follow``.
         leader: The thread that leads: a wait of it has begun and not ended. 0 for none.
         latest: The thread that was the last to lead; 0 for none.
         is_away: No leader receives now; written by the leader only.
@@ -45,21 +46,13 @@ class ReceiveRight:
         self.is_closed = False
         self.wakeup = WakeupEvent()
         self.lead = threading.Lock()
-        self._lock = threading.Lock()  # held by the bus's own thread while it receives
+        self.receiving = threading.Lock()
         # What that thread sleeps on. A thread that gets a lock needs no call to clear it: after
         # each, it would wait for the interpreter while a callback runs.
         self._alarm = threading.Lock()
         self._alarm.acquire()
         self._seen = 0  # turns that the bus's own thread knows
         self.is_own_asleep = False  # it sleeps until the leader goes away
-
-    def __enter__(self) -> None:
-        """Receive on the bus's own thread, after ``follow``."""
-        self._lock.acquire()
-
-    def __exit__(self, *_: object) -> None:
-        """Stop receiving on it."""
-        self._lock.release()
 
     @property
     def is_own_turn(self) -> bool:
@@ -151,7 +144,7 @@ class ReceiveRight:
     def _take_back(self, before: int) -> None:
         self.wakeup.set()
         try:
-            with self._lock:
+            with self.receiving:
                 self.is_taken = False
         except BaseException:  # for example Ctrl-C
             self.leave(before)

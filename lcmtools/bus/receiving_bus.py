@@ -244,7 +244,7 @@ class ReceivingBus(Bus):
                 self._prepare()
                 is_prepared = True
             right.follow(lambda: not self._requests.empty())
-            with right:
+            with right.receiving:
                 while right.is_own_turn and not self._closed:
                     self._receive_safely()
         self._serve_requests()  # requests made while it closed
