@@ -17,8 +17,9 @@ from typing import NamedTuple
 
 from lcmtools.bag.log import Log
 from lcmtools.bag.rerunning.programs import Program, Tested
-from lcmtools.bag.rerunning.rerun import Input, rerun
+from lcmtools.bag.rerunning.rerun import rerun
 from lcmtools.bag.rerunning.rerun_report import Rerun, save
+from lcmtools.bag.rerunning.session import Input
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import path
 from lcmtools.labs.checks.check import built
