@@ -1,6 +1,7 @@
 """Programs tested with recordings, in lock-step and in real time."""
 
 import json
+import shlex
 import shutil
 import signal
 import subprocess
@@ -210,11 +211,12 @@ def test_a_plain_c_program_is_played_to_in_real_time(tmp_path, cli):
 
 def test_a_launch_file_is_run_and_chains_are_exact(tmp_path, cli):
     launch = tmp_path / "chain.yaml"
-    node = f"exec: {sys.executable}, args: {_NODE}"
-    launch.write_text(
-        f"nodes:\n- {{name: first, {node} __name:=first out:=middle}}\n"
-        f"- {{name: second, {node} __name:=second in:=middle _gain:=1.0}}\n"
-    )
+    node = shlex.quote(str(_NODE))
+    nodes = [
+        {"name": name, "exec": sys.executable, "args": f"{node} __name:={name} {words}"}
+        for name, words in (("first", "out:=middle"), ("second", "in:=middle _gain:=1.0"))
+    ]
+    launch.write_text(json.dumps({"nodes": nodes}))
     middle = outputs(topic="/middle")
     log = written(tmp_path / "l.lcmlog", inputs() + middle + outputs())
     done = cli("bag", "rerun", log, "--json", "--twice", "--launch", str(launch))
@@ -387,7 +389,8 @@ def test_another_version_of_a_type_is_noted(rerun, tmp_path):
 @pytest.mark.parametrize("is_played", [False, True], ids=["at-its-start", "while-played-to"])
 def test_ctrl_c_leaves_no_process(log, start, lcmtools_path, tmp_path, *, is_played):
     pid, hangs = tmp_path / "pid", tmp_path / "hangs"
-    line = f"echo $$ > {pid}.new; mv {pid}.new {pid}; exec {sys.executable} {_NODE} _hang_at:=5"
+    node = shlex.join([sys.executable, str(_NODE), "_hang_at:=5"])
+    line = f"echo $$ > '{pid}.new'; mv '{pid}.new' '{pid}'; exec {node}"
     words = ("bag", "rerun", log, "--timeout", "60s", "--", "sh", "-c", line)
     runner = start(lcmtools_path, *words, MARK=str(hangs))
     while not (hangs if is_played else pid).exists():
