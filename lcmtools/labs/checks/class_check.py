@@ -52,6 +52,7 @@ class ClassCheck:
     ) -> None:
         self._lab, self._commands, self._arguments = lab, commands, arguments
         self._plot, self.jobs = plot, jobs
+        self.is_played = "--bag" in arguments  # a recorded drive is played, nothing simulated
         self._is_over = threading.Event()
 
     def run(self, folder: Path, show: Callable[[str, Report], object]) -> dict[str, list[Report]]:

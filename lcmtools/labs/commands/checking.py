@@ -155,7 +155,8 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
 
         if show is not show_nothing:
             text = f"simulates the programs, {checker.jobs} at a time: about {_USUAL} s each,"
-            waiting.write_note(f"{text} {_LONGER}")
+            played = f"runs the programs with the recorded drive, {checker.jobs} at a time"
+            waiting.write_note(played if checker.is_played else f"{text} {_LONGER}")
         waiting.write(f"checking the submissions in {folder} ...")
         found = checker.run(folder, show_report)
         waiting.clear()
