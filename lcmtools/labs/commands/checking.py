@@ -111,7 +111,8 @@ def check_recorded(lab: Lab, path: str, runs: Sequence[Run], show: Show) -> Outc
     """
     if runs:
         found = [check_rerun(lab, run, path) for run in runs]
-        reports, others = [one for one, _ in found], [other for _, some in found for other in some]
+        reports = [one for one, _ in found if one]
+        others = [other for _, some in found for other in some]
     else:
         with Log(path) as log:
             reports, others = check_log(lab, log)
