@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from fixtures.typist import Typist
 
-from lcmtools.labs.checks import checked_programs, dolly, test_bench
+from lcmtools.labs.checks import checked_programs, dolly, program_rows
 from lcmtools.processes.child import StopTimeouts
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
@@ -218,7 +218,7 @@ def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(ch
 
 
 def test_a_program_that_is_silent_and_ignores_signals_is_ended(check, monkeypatch):
-    monkeypatch.setattr(test_bench, "_FIRST_MESSAGE", 2.0)
+    monkeypatch.setattr(program_rows, "_FIRST_MESSAGE", 2.0)
     monkeypatch.setattr(checked_programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
     source = (
         "import signal, subprocess, time\n"

@@ -7,6 +7,7 @@ the squares of all errors.
 import math
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import accumulate
 
 from lcmtools.labs.checks.diagnosis import explain_number
 
@@ -120,11 +121,9 @@ def average_hint(cause: str) -> str:
 
 def wrong_average(averages: Sequence[float], differences: Sequence[Velocity]) -> int | None:
     """Return the index of the first average that is not the root mean square; None if all are."""
-    errors = [math.hypot(*difference) for difference in differences]
-    agree = (
-        _are_same(average, root_mean_square(errors[: index + 1]))
-        for index, average in enumerate(averages)
-    )
+    sums = accumulate(v * v + w * w for v, w in differences)
+    wanted = (math.sqrt(total / count) for count, total in enumerate(sums, 1))
+    agree = map(_are_same, averages, wanted)
     return next((index for index, is_right in enumerate(agree) if not is_right), None)
 
 
