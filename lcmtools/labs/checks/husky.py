@@ -6,8 +6,13 @@ from dataclasses import replace
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of
-from lcmtools.labs.checks.error_statistics import Velocity
-from lcmtools.labs.checks.evaluation import Sample, average_rows, error_row, samples_row
+from lcmtools.labs.checks.evaluation import (
+    Sample,
+    Velocity,
+    average_rows,
+    error_row,
+    samples_row,
+)
 from lcmtools.labs.checks.observations import Desire, TrueState
 from lcmtools.labs.checks.program_rows import early_end, first, first_command
 from lcmtools.labs.checks.results import CheckResult

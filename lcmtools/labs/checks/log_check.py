@@ -13,8 +13,7 @@ from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import dolly, husky, path
 from lcmtools.labs.checks.check import Explanation
 from lcmtools.labs.checks.diagnosis import velocity_of
-from lcmtools.labs.checks.error_statistics import Velocity
-from lcmtools.labs.checks.evaluation import Sample, log_rows
+from lcmtools.labs.checks.evaluation import Sample, Velocity, log_rows
 from lcmtools.labs.checks.observations import TrueState
 from lcmtools.labs.checks.recorded_run import PATH, RecordedRun, read_run
 from lcmtools.labs.checks.results import CheckResult, Report
