@@ -14,7 +14,7 @@ import struct
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import lru_cache
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 from lcmtools import __version__
 from lcmtools.bounded import BoundedDict
@@ -31,8 +31,9 @@ from lcmtools.graph.model import (
 )
 from lcmtools.messages.appendable import appendables, decode_appendable, encode_appendable
 from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.coder import coder
 from lcmtools.messages.registry import Message, fingerprint
-from lcmtools.messages.rows import Cursor, Malformed, read_string
+from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.names import check_length, check_node
 from lcmtools.types import lcmtools_msgs as msgs
 from lcmtools.wire.packet import Sender
@@ -277,15 +278,20 @@ def _with_details(node: Node, data: bytes) -> Node:
 
 def _decode_version_0(payload: bytes) -> Announcement | None:
     """Return the head of an announcement as it was before the first version."""
+    from lcmtools.types.std_msgs import String  # late: only for such a node
+
+    def text() -> str:
+        return cast("String", coder(String).read(cursor)).data
+
     if len(payload) > _MOST_DETAILS:
         return None
     cursor = Cursor(payload, _NAME_OFFSETS[_VERSION_0])
     try:
-        name, host = read_string(cursor, "name"), read_string(cursor, "host")
+        name, host = text(), text()
         pid, start_time = struct.unpack_from(">iq", payload, cursor.advance(12, "pid"))
-        id_ = read_string(cursor, "id")
+        id_ = text()
         state, _, tool = struct.unpack_from(">bq?", payload, cursor.advance(10, "state"))
-        command = read_string(cursor, "command")
+        command = text()
         (answers,) = struct.unpack_from(">q", payload, cursor.advance(8, "answers"))
     except Malformed:
         return None

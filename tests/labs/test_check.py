@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shlex
 import signal
 import sys
 from contextlib import closing
@@ -62,7 +63,7 @@ def check(cli, tmp_path, left_over):
     def run(lab, *options, source=""):
         script = tmp_path / "program.py"
         script.write_text(source)
-        own = [options[-1], f"{sys.executable} {script}"] if source else []
+        own = [options[-1], shlex.join([sys.executable, str(script)])] if source else []
         result = cli(
             "lab", "check", lab, *options[:-1], *own, "--json", env={"TMPDIR": str(tmp_path)}
         )

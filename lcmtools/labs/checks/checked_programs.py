@@ -83,6 +83,11 @@ class CheckedProgram(ChildProcess):
         return self.wait(_TIMEOUTS.interrupt)
 
 
+def own_path() -> str:
+    """Return where programs are searched: beside this Python first."""
+    return os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
+
+
 def own_command() -> list[str]:
     """Return the command line of the lcmtools that runs now.
 
