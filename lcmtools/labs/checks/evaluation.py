@@ -126,12 +126,12 @@ def _average_hint(cause: str) -> str:
     return f"it is {cause}, and should be {_AVERAGE}" if cause else f"it should be {_AVERAGE}"
 
 
-def wrong_average(averages: Sequence[float], differences: Sequence[Velocity]) -> int | None:
-    """Return the index of the first average that is not the root mean square; None if all are."""
+def wrong_averages(averages: Sequence[float], differences: Sequence[Velocity]) -> list[int]:
+    """Return the indices of the averages that are not the root mean square."""
     sums = accumulate(v * v + w * w for v, w in differences)
     wanted = (math.sqrt(total / count) for count, total in enumerate(sums, 1))
     agree = map(_are_same, averages, wanted)
-    return next((index for index, is_right in enumerate(agree) if not is_right), None)
+    return [index for index, is_right in enumerate(agree) if not is_right]
 
 
 def average_cause(averages: Sequence[float], differences: Sequence[Velocity]) -> str:
@@ -140,7 +140,7 @@ def average_cause(averages: Sequence[float], differences: Sequence[Velocity]) ->
     ``differences`` are those of the desired and the measured velocity, one for each average.
     """
     averages = averages[:_LONGEST]
-    for text, errors, statistic in _wrong_averages(differences[:_LONGEST]):
+    for text, errors, statistic in _mistakes(differences[:_LONGEST]):
         expected = [statistic(errors[: index + 1]) for index in range(len(averages))]
         # the first one is often a special case, as there is no division by 0
         if all(map(_are_same, averages[1:], expected[1:])):
@@ -148,7 +148,7 @@ def average_cause(averages: Sequence[float], differences: Sequence[Velocity]) ->
     return ""
 
 
-def _wrong_averages(
+def _mistakes(
     differences: Sequence[Velocity],
 ) -> Iterator[tuple[str, Sequence[float], Callable[[Sequence[float]], float]]]:
     """Yield mistakes: in the average, in the errors, and in both."""
@@ -220,13 +220,13 @@ def average_rows(samples: Sequence[Sample], change: int = 0) -> Iterator[CheckRe
     """Yield the rows for the average from its first sample on, before and after a change."""
     averages = [sample.stat.average_error for sample in samples]
     differences = [sample.difference for sample in samples]
-    wrong = wrong_average(averages, differences)
-    cause = "" if wrong is None else average_cause(averages, differences)
+    wrong = wrong_averages(averages, differences)
+    cause = average_cause(averages, differences) if wrong else ""
     hint, key = _average_hint(cause), cause.removeprefix(_OF_ERRORS) or "average"
     parts = ("average_error", 0, change), (_REMEMBERS, change, len(samples))
     for what, start, end in parts[not change :]:
-        is_ok = wrong is None or not start <= wrong < end
-        index = end - 1 if is_ok or wrong is None else wrong
+        index = next((one for one in wrong if start <= one < end), end - 1)
+        is_ok = index not in wrong
         wanted = root_mean_square([math.hypot(*one) for one in differences[: index + 1]])
         measured = f"{averages[index]:.3f} of {index + 1} samples"
         yield CheckResult(what, f"{wanted:.3f}", measured, is_ok, hint, key)

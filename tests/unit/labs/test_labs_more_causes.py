@@ -20,10 +20,12 @@ from lcmtools.labs.checks.driving_keys import (
     speeds_result,
 )
 from lcmtools.labs.checks.evaluation import (
+    Sample,
     average_cause,
+    average_rows,
     error_cause,
     root_mean_square,
-    wrong_average,
+    wrong_averages,
 )
 from lcmtools.labs.checks.observations import CommandMessage, Failure, Touch
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
@@ -32,6 +34,7 @@ from lcmtools.labs.checks.viewer import picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.messages.pictures import Picture
 from lcmtools.messages.pixels import Kind
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image, LaserScan
 
@@ -131,15 +134,28 @@ ERRORS = [0.5] * 6 + [0.0] * 6
 def test_the_formula_of_an_average_is_recognised(average, words):
     averages = [average(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
     differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
-    assert wrong_average(averages, differences) is not None
+    assert wrong_averages(averages, differences)
     assert average_cause(averages, differences) == words
 
 
 def test_the_root_mean_square_is_right_and_an_average_of_the_samples_so_far():
     averages = [root_mean_square(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
     differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
-    assert wrong_average(averages, differences) is None
-    assert wrong_average([*averages[:-1], 0.5], differences) == len(ERRORS) - 1
+    assert wrong_averages(averages, differences) == []
+    assert wrong_averages([*averages[:-1], 0.5], differences) == [len(ERRORS) - 1]
+
+
+def test_each_part_of_the_averages_is_judged_by_its_own():
+    stats = [
+        ControllerEvaluationStat(samples=n, last_error=e, average_error=math.sqrt(0.25 * 6 / n))
+        for n, e in enumerate(ERRORS, 1)
+    ]
+    samples = [
+        Sample(stat, [(GOAL if stat.last_error else (0.0, 0.0), (0.0, 0.0))]) for stat in stats
+    ]
+    assert [row.is_ok for row in average_rows(samples, 6)] == [False, True]
+    stats[-1].average_error = 0.5
+    assert [row.is_ok for row in average_rows(samples, 6)] == [False, False]
 
 
 def test_a_number_that_no_formula_gives_is_not_explained():
