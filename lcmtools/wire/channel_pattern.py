@@ -1,57 +1,72 @@
 r"""Regular expressions for channels, as in the subscriptions of tcpq, for a server.
 
-Sans-I/O. They are Python's, and ``\Q...\E`` quotes; what java.util.regex and PCRE read otherwise is
-refused. So is what may take long, so that no client can block a server with a pattern such as
-"(a*)*b": more than six repetitions, or than three but "?", and repeated groups that contain
-repetitions or alternatives.
+Sans-I/O. A pattern is one of Python's ``re``, in which ``\Q...\E``, ``\z`` and ``(?<name>...)`` of
+java.util.regex and PCRE may be used as well. ``re`` tries every way of matching, so a pattern with
+more ways than _MOST_WAYS is refused: no client can block a server with one such as "(a*)*b".
 """
 
+import importlib
 import re
-import warnings
+import sys
+from typing import Any
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.names import MAX_CHANNEL_BYTES
 
-_QUOTED = re.compile(r"\\Q(.*?)(?:\\E|\Z)", re.DOTALL)
-_ONE = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]", re.DOTALL)  # an escape or a set of characters
-_KIND = re.compile(r"\(\?(?:[:=!]|<[=!]|P<\w+>)")  # of a group
-_GROUP = re.compile(r"\(([^()]*)\)([*+{]?)")
-_REPETITION = re.compile(r"([*+]|\{\d*,?\d*\}|\?)[?+]?")
-_MOST, _MOST_UNBOUNDED = 6, 3
+_parser: Any = importlib.import_module("re._parser" if sys.version_info >= (3, 11) else "sre_parse")
+_MOST_WAYS = (MAX_CHANNEL_BYTES + 1) ** 3  # of three parts like ".*"
+_FOREIGN = re.compile(
+    r"\\Q(?P<quoted>.*?)(?:\\E|\Z) | (?P<group>\(\?<)(?=[A-Za-z]) | (?P<end>\\z) | \\.",
+    re.VERBOSE | re.DOTALL,
+)
 
 
 class PatternError(LcmtoolsError):
-    """A pattern that is not a regular expression, or uses unsupported syntax."""
+    """A pattern that is not a regular expression, or could take too long to match."""
 
 
-class ChannelPattern:
-    """A regular expression for whole channel names.
+def compile_pattern(text: str) -> re.Pattern[str]:
+    """Return a regular expression, whose ``fullmatch`` is for names of channels.
 
     Raises:
-        PatternError: It cannot be parsed, or matching may take long.
+        PatternError: It cannot be parsed, or could take too long to match.
     """
-
-    def __init__(self, text: str) -> None:
-        plain = _QUOTED.sub(lambda found: re.escape(found[1]), text)
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")  # sets that other languages read as intersections
-                self._pattern = re.compile(plain, re.ASCII)
-        except (re.error, Warning, OverflowError, RecursionError) as error:
-            raise PatternError(f"the pattern '{text}' is not supported: {error}") from None
-        if _may_take_long(plain):
-            raise PatternError(f"the pattern '{text}' is not supported: it repeats too much")
-
-    def matches(self, name: str) -> bool:
-        """Return whether the pattern matches the whole name."""
-        return self._pattern.fullmatch(name) is not None
+    try:
+        pattern = _FOREIGN.sub(_in_python, text)
+        ways = _ways(_parser.parse(pattern, re.ASCII))
+        compiled = re.compile(pattern, re.ASCII)
+    except (re.error, ValueError, OverflowError, RecursionError) as error:
+        position = getattr(error, "pos", None)
+        place = "" if position is None else f" from character {position + 1} on"
+        raise PatternError(f"the pattern '{text}' is not supported{place}") from None
+    if ways > _MOST_WAYS:
+        raise PatternError(f"the pattern '{text}' could take too long to match")
+    return compiled
 
 
-def _may_take_long(pattern: str) -> bool:
-    rest = _KIND.sub("(", _ONE.sub("x", pattern))
-    while group := _GROUP.search(rest):
-        inner = group[1]
-        if group[2] and ("|" in inner or _REPETITION.search(inner)):
-            return True
-        rest = f"{rest[: group.start()]}{inner}{rest[group.end(1) + 1 :]}"
-    found = [one[1] for one in _REPETITION.finditer(rest)]
-    return len(found) > _MOST or len(found) - found.count("?") > _MOST_UNBOUNDED
+def _in_python(found: re.Match[str]) -> str:
+    if found["quoted"] is not None:
+        return re.escape(found["quoted"])
+    return "(?P<" if found["group"] else r"\Z" if found["end"] else found[0]
+
+
+def _ways(parts: Any) -> int:  # noqa: ANN401 - a parsed pattern of ``re``
+    """Return a bound on the ways in which parts that follow each other can match a name."""
+    ways = 1
+    for operation, value in parts:
+        ways = min(ways * _ways_of(str(operation), value), _MOST_WAYS + 1)
+    return ways
+
+
+def _ways_of(operation: str, value: Any) -> int:  # noqa: ANN401
+    if operation.endswith("REPEAT"):
+        least, most, inner = value
+        ways, times = _ways(inner), min(int(most), MAX_CHANNEL_BYTES)
+        return max(times - int(least), 0) + 1 if ways == 1 else (ways + 1) ** times
+    if operation == "BRANCH":
+        return sum(map(_ways, value[1]))
+    if operation in ("SUBPATTERN", "ASSERT", "ASSERT_NOT"):
+        return _ways(value[-1])
+    if operation == "ATOMIC_GROUP":
+        return _ways(value)
+    return _MOST_WAYS + 1 if operation.startswith("GROUPREF") else 1

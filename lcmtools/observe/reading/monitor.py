@@ -24,8 +24,8 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import (
     PERIOD,
     PROBE_CHANNEL,
+    PROTOCOL_CHANNELS,
     SHUTDOWN_CHANNEL,
-    TALK_CHANNELS,
     Probe,
     Shutdown,
     encode_probe,
@@ -317,7 +317,7 @@ class BusMonitor:
         self._on_outage(text)
 
     def _receives_talk(self, timeout: float) -> bool:
-        return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
+        return any(packet.channel in PROTOCOL_CHANNELS for packet in self.receive(timeout))
 
     def _recall(self) -> None:
         """Learn of the nodes of this computer that left a record and have not answered."""
