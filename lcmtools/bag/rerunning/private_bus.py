@@ -7,6 +7,7 @@ publish, each client's in order, without loss. Must not know logs or processes.
 
 import contextlib
 import os
+import re
 import selectors
 import socket
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 from lcmtools.bus.processes import open_files
 from lcmtools.wire import tcpq
-from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
 _READ_BYTES = 1 << 18
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
@@ -29,7 +30,7 @@ class Client:
     def __init__(self, connection: socket.socket, number: int) -> None:
         self.connection, self.number = connection, number
         self.name = ""
-        self.patterns: dict[str, ChannelPattern] = {}
+        self.patterns: dict[str, re.Pattern[str]] = {}
         self.reader = tcpq.FrameReader()
         self._known: dict[str, bool] = {}
         self._unsent = bytearray(tcpq.SERVER_GREETING)
@@ -43,7 +44,7 @@ class Client:
         """Return whether it subscribes to a channel."""
         known = self._known.get(channel)
         if known is None:
-            found = any(pattern.matches(channel) for pattern in self.patterns.values())
+            found = any(pattern.fullmatch(channel) for pattern in self.patterns.values())
             known = self._known[channel] = found
         return known
 
@@ -54,7 +55,7 @@ class Client:
             self.patterns.pop(frame.name, None)
         else:
             with contextlib.suppress(PatternError):  # it receives nothing by that
-                self.patterns[frame.name] = ChannelPattern(frame.name)
+                self.patterns[frame.name] = compile_pattern(frame.name)
 
     def send(self, data: bytes = b"") -> bool:
         """Send as much as the connection accepts; return True if nothing waits.

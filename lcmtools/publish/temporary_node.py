@@ -13,7 +13,7 @@ _NOTHING_SAID = NodeArguments()
 
 
 @contextlib.contextmanager
-def own_node(
+def temporary_node(
     tool: str,
     url: BusUrl,
     arguments: NodeArguments = _NOTHING_SAID,
