@@ -321,10 +321,15 @@ Node& node_of(const std::shared_ptr<T>& node) {
 }
 
 inline void finish_step(const std::vector<Node*>& nodes) {
-  if (!is_in_lockstep()) return;
+  auto& context = *nodes.front()->context();
+  std::unique_lock lock(context.mutex);
+  if (!context.has_step_locked()) return;
+  for (const Node* node : nodes)
+    if (node->next_work() == 0) return;  // it has come with the step
+  lock.unlock();
   auto next = never;
   for (const Node* node : nodes) next = std::min(next, node->next_timer());
-  nodes.front()->context()->finish_step(next);
+  context.finish_step(next);
 }
 
 // Wait for something to do until a time by the steady clock, or until `is_over`, at most; do all of it.

@@ -37,8 +37,38 @@ class Throttle {
   std::atomic<std::int64_t> next_{0};
 };
 
+// Refuses a message of which a length is not that of its array; the code of `lcmtools msg generate`
+// names both. lcm-gen's encoder would leave elements out, or read beyond the last.
+struct LengthCheck {
+  template <class T, class... Inner>
+  void operator()(const char* field, const std::vector<T>& elements, std::int64_t length, Inner... inner) const {
+    if (static_cast<std::int64_t>(elements.size()) != length)
+      throw Error(format("%s has %zu elements, but its length is %lld", field, elements.size(), static_cast<long long>(length)),
+                  format("set the length that belongs to it, as in message.%s_length = message.%s.size()", field, field));
+    if constexpr (!std::is_arithmetic_v<T>)
+      for (const auto& element : elements) (*this)(field, element, inner...);
+  }
+  template <class T, std::size_t Size>
+  void operator()(const char* field, const T (&elements)[Size]) const {
+    for (const auto& element : elements) (*this)(field, element);
+  }
+  template <class T>
+  void operator()(const char*, const T& value) const {
+    check(value, 0);
+  }
+
+ private:
+  template <class T>
+  auto check(const T& message, int) const -> decltype(message._checkLengths(*this)) {
+    message._checkLengths(*this);
+  }
+  template <class T>
+  void check(const T&, long) const {}
+};
+
 template <class Message>
 wire::Bytes encode(const Message& message) {
+  LengthCheck()("", message);
   wire::Bytes payload(static_cast<std::size_t>(message.getEncodedSize()));
   if (message.encode(payload.data(), 0, static_cast<int>(payload.size())) < 0)
     throw Error("the message cannot be encoded");
@@ -127,7 +157,7 @@ class Publisher : public detail::Sender {
   using SharedPtr = std::shared_ptr<Publisher>;
   Publisher(std::shared_ptr<detail::Context> context, Logger& logger) : Sender(std::move(context)), logger_(logger) {}
 
-  // Send one message. As in all code of lcm-gen, the lengths of its arrays are fields to be set.
+  // Send one message. The lengths of its arrays are fields to be set; Error for one that is wrong.
   void publish(const Message& message) {
     if (!send(detail::encode(message)) && warnings_.allows(5000 * detail::ms))
       logger_.error(get_topic_name() + ": the network did not take a message");

@@ -106,6 +106,7 @@ class Receiver {
   }
 
   bool publish(const std::string& channel, const void* data, std::size_t size) {
+    const std::lock_guard lock(writing_);
     return lcm_publish(lcm_.get(), channel.c_str(), data, static_cast<unsigned>(size)) >= 0;
   }
   template <class Message>
@@ -118,7 +119,9 @@ class Receiver {
     std::string pattern;  // liblcm takes a regular expression
     for (char c : channel) pattern += (names::is_in(c, ".[]{}()*+?^$|\\") ? "\\" : "") + std::string(1, c);
     auto kept = std::make_unique<Take>(std::move(take));
+    std::unique_lock writing(writing_);
     auto* subscription = lcm_subscribe(lcm_.get(), pattern.c_str(), on_message, kept.get());
+    writing.unlock();
     if (!subscription) throw Error("the bus does not accept a subscription to " + channel);
     lcm_subscription_set_queue_capacity(subscription, 0);  // the queues that drop are ours
     const std::lock_guard lock(mutex);
@@ -206,6 +209,7 @@ class Receiver {
       const std::lock_guard lock(mutex);
       removals.swap(removals_);
     }
+    const std::lock_guard writing(writing_);
     for (auto* one : removals) lcm_unsubscribe(lcm_.get(), one);
   }
 
@@ -217,6 +221,7 @@ class Receiver {
   std::deque<std::unique_ptr<Take>> takes_;  // kept until the end: liblcm may still call one
   std::condition_variable changed_;  // for threads that wait and do not receive
   Wakeup leader_wakeup_;             // of the thread that waits and receives
+  std::mutex writing_;               // held to send: liblcm writes to a tcpq server in several pieces
   std::mutex receiving_;             // held by the thread that calls lcm_handle and lcm_unsubscribe
   std::atomic<bool> is_led_{false}, is_resting_{false};  // another thread receives; the own one sleeps until it leaves
   std::atomic<unsigned> turns_{0};  // of other threads that received

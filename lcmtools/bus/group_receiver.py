@@ -32,6 +32,7 @@ from lcmtools.bus.kernel import (
     request_arrival,
 )
 from lcmtools.bus.multicast import receiving_socket
+from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.socket_filter import (
     ENDING_BYTES,
     ChannelTest,
@@ -128,7 +129,8 @@ class GroupReceiver:
         self._batches: dict[socket.socket, DatagramBatch | None] = {}
         self.is_stream = self.has_room = self.is_filtered = False
         self._poll = select.poll()
-        self._poll.register(self.all[0], select.POLLIN)
+        for descriptor in (self.all[0].fileno(), *network_watch.descriptors):
+            self._poll.register(descriptor, select.POLLIN)
         if channels:
             self.let_pass(channels)
         elif heads:
@@ -215,7 +217,10 @@ class GroupReceiver:
             receiver.close()
 
     def ready(self, timeout: float) -> list[socket.socket]:
-        """Wait up to ``timeout`` [s] for a datagram; return the sockets that have one."""
+        """Wait up to ``timeout`` [s] for a datagram; return the sockets that have one.
+
+        Returns early if the network has changed.
+        """
         found = {number for number, _ in self._poll.poll(timeout * 1000)}
         return [one for one in self.all if one.fileno() in found] if found else []
 

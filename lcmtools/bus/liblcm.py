@@ -32,7 +32,7 @@ from pathlib import Path
 
 from lcmtools.bus.base import outage_texts
 from lcmtools.bus.kernel import drop_what_is_late, duplicate
-from lcmtools.bus.network_watch import member
+from lcmtools.bus.network_watch import member, network_watch
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, MissingExtra
@@ -135,14 +135,17 @@ class Connection:
     def receive(self, timeout: float | None, also: Sequence[int]) -> Collection[int]:
         """Handle what arrives, waiting up to ``timeout`` [s] for the first message, and reconnect.
 
-        It also stops waiting when one of the descriptors ``also`` is readable; returns those.
+        It also stops waiting when one of the descriptors ``also`` is readable; returns those. And
+        when the network has changed, with that descriptor.
         """
         instance, left, readable = self.instance, self.left(), list[int]()
         if left is not None:
             timeout = left if timeout is None else min(left, timeout)
         try:
             own = [] if instance is None else [instance.fileno()]
-            readable = select.select([*own, *also], [], [], timeout)[0]
+            waits = [*own, *also, *network_watch.descriptors]
+            readable = select.select(waits, [], [], network_watch.longest_wait(timeout))[0]
+            network_watch.look()
             works = self._broken is None or self._broken is not instance
             if own and own[0] in readable:
                 works = works and not self.has_ended

@@ -3,7 +3,8 @@
 A socket joins a multicast group on the interface that the route to it has at that moment, and hears
 nothing more once messages are sent over another one: a laptop that gets a cable, a network that
 goes away. Whenever the system's interfaces or routes change, the sockets join their groups again.
-On Linux the system reports changes (rtnetlink(7)); elsewhere there is a look once a second.
+On Linux the system reports changes (rtnetlink(7)); elsewhere there is a look once a second. There
+is no thread for it: who waits for messages of a group waits for these reports too, and looks.
 
 On Linux a socket also joins on the loopback interface, over which messages go while there is no
 route at all (see ``multicast.send_to_group``).
@@ -31,10 +32,12 @@ _NEW_ROUTE, _OUTPUT, _ATTRIBUTES = 24, 4, 28  # RTM_NEWROUTE, RTA_OIF, the offse
 _ANSWER_TIME = 0.2  # [s]
 _PERIOD = 1.0  # [s] between looks where the system does not report changes
 LOOPBACK = 1  # number of Linux's loopback interface in every network namespace
-_TOLD: dict[bool, str] = {
+TOLD: dict[bool, str] = {
     True: "the network has changed: messages to {group} now go over {interface}",
-    False: "there is no route to {group}: messages reach only programs of this computer",
+    False: "there is no route to {group}: messages reach only programs of this computer; "
+    "see lcmtools wtf",
 }
+"""Sentences for whether there is a route."""
 
 
 def route_interface(group: str) -> str:
@@ -127,25 +130,36 @@ def join_loopback(receiver: socket.socket, group: str) -> None:
 
 
 class NetworkWatch:
-    """The sockets of this process that are in multicast groups, and the thread that joins again."""
+    """The sockets of this process that are in multicast groups, and the reports of changes."""
 
     def __init__(self) -> None:
         self._members: WeakKeyDictionary[socket.socket, str] = WeakKeyDictionary()
         self._interfaces: dict[str, str] = {}  # of the routes to the groups
         self._tell: list[Callable[[str], None]] = []
-        self._thread: threading.Thread | None = None
+        self._changes: socket.socket | None = None
+        self._looking = threading.Lock()
+        self._next_look = 0.0
+
+    @property
+    def descriptors(self) -> tuple[int, ...]:
+        """The descriptor that is readable after a change; none if the system reports none."""
+        return () if self._changes is None else (self._changes.fileno(),)
 
     def follow(self, receiver: socket.socket, group: str) -> None:
-        """Let a socket that has joined a group join again, until it is closed or freed."""
+        """Let a socket that joins a group join again, until it is closed or freed."""
+        if self._changes is None:
+            self._changes = _changes()
         self._members[receiver] = group
         self._interfaces.setdefault(group, route_interface(group))
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._run, name="network watch", daemon=True)
-            with contextlib.suppress(RuntimeError):  # no more threads: then it is not followed
-                self._thread.start()
+
+    def longest_wait(self, timeout: float | None) -> float | None:
+        """Return the time to wait before ``look`` [s]: as given, if the system reports changes."""
+        if self._changes is not None or not self._members:
+            return timeout
+        return _PERIOD if timeout is None else min(timeout, _PERIOD)
 
     def tell(self, listener: Callable[[str], None]) -> None:
-        """Call a function with a sentence, on another thread, when a group's route changes."""
+        """Call a function with a sentence, on the thread that looks, when a route changes."""
         self._tell.append(listener)
 
     def forget(self, listener: Callable[[str], None]) -> None:
@@ -154,14 +168,34 @@ class NetworkWatch:
             self._tell.remove(listener)
 
     def leave_to_parent(self) -> None:
-        """Begin again in a forked process, which has no such thread and needs none at first."""
+        """Begin again in a forked process, where another thread may have held the lock."""
         self._members.clear()
         self._interfaces.clear()
         self._tell.clear()
-        self._thread = None
+        self._changes, self._looking = None, threading.Lock()
 
     def look(self) -> None:
-        """Join again where the routes lead now."""
+        """Join again where the routes lead now, if something has changed; never waits."""
+        if self._members and self._looking.acquire(blocking=False):
+            try:
+                if self._has_changed():
+                    self._join_again()
+            finally:
+                self._looking.release()
+
+    def _has_changed(self) -> bool:
+        """Take the reports; without any, there may be a change each second."""
+        if self._changes is None:
+            if is_due := (now := time.monotonic()) >= self._next_look:
+                self._next_look = now + _PERIOD
+            return is_due
+        try:
+            self._changes.recv(1 << 16)
+        except OSError as error:
+            return error.errno == errno.ENOBUFS  # some reports are lost
+        return True
+
+    def _join_again(self) -> None:
         for receiver, group in tuple(self._members.items()):
             with contextlib.suppress(OSError):  # no route now, or closed meanwhile
                 if join(receiver, group):
@@ -170,37 +204,22 @@ class NetworkWatch:
             now = route_interface(group)
             if now != before:
                 self._interfaces[group] = now
-                text = _TOLD[bool(now)].format(group=group, interface=now)
+                text = TOLD[bool(now)].format(group=group, interface=now)
                 for listener in tuple(self._tell):
                     with contextlib.suppress(Exception):  # a log, for example, whose reader ended
                         listener(text)
-
-    def _run(self) -> None:
-        changes = _changes()
-        self.look()  # for a change since the first socket joined
-        while True:
-            if changes is None:
-                time.sleep(_PERIOD)
-            else:
-                try:
-                    changes.recv(1 << 16)
-                except OSError as error:
-                    if error.errno != errno.ENOBUFS:  # else only some reports are lost
-                        time.sleep(_PERIOD)
-            self.look()
 
 
 def _changes() -> socket.socket | None:
     """Return a socket that receives a report of each change; None if the system has none."""
     if sys.platform != "linux":
         return None
-    try:
+    with contextlib.suppress(OSError):  # a sandbox without netlink
         changes = socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_ROUTE)
-        changes.settimeout(None)  # whatever the program's default for new sockets
+        changes.settimeout(0.0)
         changes.bind((0, _CHANGES))
-    except OSError:  # a sandbox without netlink
-        return None
-    return changes
+        return changes
+    return None
 
 
 network_watch = NetworkWatch()

@@ -138,6 +138,28 @@ def process_of(pid: int) -> Process | None:
     return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
 
 
+def command_lines() -> Iterator[tuple[int, str]]:
+    """Yield the processes with their command lines, in which a zero byte ends each word."""
+    for pid in map(int, filter(str.isdigit, os.listdir(_PROC) if shows_own_pids() else ())):  # noqa: PTH208
+        yield pid, _text(pid, "cmdline")
+
+
+def surroundings_of(pid: int) -> tuple[int, Mapping[str, str]]:
+    """Return a process's network namespace and environment; 0 and nothing if unknown."""
+    network = 0
+    with contextlib.suppress(OSError):
+        network = (_PROC / str(pid) / "ns/net").stat().st_ino
+    words = _text(pid, "environ").split("\0")
+    return network, dict(word.split("=", 1) for word in words if "=" in word)
+
+
+def _text(pid: int, file: str) -> str:
+    """Return a file of a process; "" if it has ended, or is another user's."""
+    with contextlib.suppress(OSError), open(f"{_PROC}/{pid}/{file}", "rb") as opened:  # noqa: PTH123
+        return opened.read().decode("utf-8", "replace")
+    return ""
+
+
 def innermost_pid(pid: int) -> tuple[int, int]:
     """Return a process's pid namespace and its pid there, as in a container; zeros if unknown."""
     folder = _PROC / str(pid)

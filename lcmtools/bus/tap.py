@@ -16,6 +16,7 @@ from operator import itemgetter
 from lcmtools.bus.group_receiver import ChannelSocket, GroupReceiver
 from lcmtools.bus.kernel import buffer
 from lcmtools.bus.multicast import check_multicast
+from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.udp_sender import UdpSender
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
@@ -168,6 +169,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
             self._turns = self._turns + has_any if is_soon else 0
             packets = self._read() if has_any or has_more else []
         self._attend_large()
+        network_watch.look()
         return packets
 
     def _read_after_nap(self, longest: float) -> list[Packet]:

@@ -146,6 +146,14 @@ def notify_damage(monitor: "BusMonitor") -> None:
         notify(damage)
 
 
+def notify_starting(graph: "Graph", url: "BusUrl") -> None:
+    """Write a note for each node that was started a moment ago and is not on the bus yet."""
+    from lcmtools.observe.reading.starting import starting_nodes
+
+    for node in starting_nodes(url, {node.pid for node in graph.nodes}):
+        notify(f"{node} is starting: list again in two seconds")
+
+
 def looking_names() -> Resolver:
     """Return the namespace and the remaps of an observing command."""
     given = bus_choice().names

@@ -178,6 +178,11 @@ class Node(NamedTuple):
         return now - (self.lag or 0)
 
     @property
+    def is_counted(self) -> bool:
+        """False for a node whose program counts neither messages nor its time in callbacks."""
+        return self.has_details and (self.busy > 0 or any(end.is_counted for end in self.endpoints))
+
+    @property
     def bus(self) -> str:
         """The bus that it is on, as named by its relay; "" for a node on this bus."""
         return self.path[-1].bus if self.path else ""

@@ -9,14 +9,12 @@ environment, the working directory or the command line.
 
 import importlib
 import re
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import PurePath
 from typing import ClassVar, Protocol, cast
 
-from lcmtools.errors import InvalidFile, UnknownType
+from lcmtools.errors import UnknownType
 from lcmtools.escapes import ESCAPES
 from lcmtools.messages.enums import EnumValue
 from lcmtools.messages.python_names import python_name, python_path
@@ -66,19 +64,23 @@ class ServiceType(Protocol):
 class Registry:
     """All types of some sources; if two have the same name, the earlier source takes precedence.
 
-    ``supply`` gives the user's own types; ``warn`` is called with warnings about types in use.
+    ``supply`` returns the user's own types; ``warn`` is called with warnings about types in use.
     """
 
     def __init__(
         self,
         sources: Sequence[TypeSource],
-        supply: Supply | None = None,
+        supply: Callable[[], Supply | None] = lambda: None,
         warn: Callable[[str], object] = str,
     ) -> None:
         self._fixed = tuple(sources)
-        self._supply = supply
+        self._get_supply = supply
         self._warn = warn
-        self._warned: set[str] = set()
+        self._warned: set[tuple[Supply | None, str]] = set()
+
+    @property
+    def _supply(self) -> Supply | None:
+        return self._get_supply()
 
     def type_names(self) -> list[str]:
         """Return the names of all message types, sorted."""
@@ -96,17 +98,6 @@ class Registry:
         if not any_version and number is None and "@" not in name:
             self._warn_once(source, found)
         return _message_class(source, found, meant)
-
-    def message_classes(self, names: Iterable[str]) -> Iterator[type[Message]]:
-        """Import and yield the classes of types, with all their versions, in the names' order."""
-        versions: defaultdict[str, dict[int, TypeSource]] = defaultdict(dict)
-        for source in reversed(self._all()):
-            for name in source.fingerprints:
-                versions[name].update(dict.fromkeys(source.numbers(name), source))
-        for name in names:
-            for number, source in sorted(versions[name].items()):
-                with suppress(ImportError, AttributeError, InvalidFile):  # made anew meanwhile
-                    yield _message_class(source, name, number)
 
     def service_class(self, name: str) -> type[ServiceType]:
         """Return a service's pair of messages; UnknownType unless exactly one has the name."""
@@ -263,8 +254,8 @@ class Registry:
         if file and any(one.fingerprints.get(name, number) != number for one in self._fixed):
             notes.append(f"{name} differs from lcmtools' own type, {name}@{_OURS}; {file} is used")
         for note in notes:
-            if note not in self._warned:
-                self._warned.add(note)
+            if (self._supply, note) not in self._warned:
+                self._warned.add((self._supply, note))
                 self._warn(f"lcmtools: {note}")
 
     def _type_hint(self, name: str) -> str:
@@ -323,18 +314,6 @@ def _load(prefix: str, name: str) -> object:
     return cast("object", getattr(module, python_name(short)))
 
 
-_current: tuple[Supply | None, Registry] | None = None
-
-
-def default_registry() -> Registry:
-    """Return the registry of the shipped types and of the user's own types (see ``supply``)."""
-    global _current  # noqa: PLW0603 - one registry per process, renewed with its supply
-    supply = current_supply()
-    if _current is None or _current[0] is not supply:
-        _current = supply, Registry([shipped_types()], supply, _log)
-    return _current[1]
-
-
 @cache
 def shipped_types() -> TypeSource:
     """Return the types that lcmtools ships."""
@@ -350,61 +329,22 @@ def _log(text: str) -> None:
     logging.getLogger("lcmtools").warning("%s", text.translate(ESCAPES))
 
 
-def message_class(
-    name: str, number: int | None = None, *, any_version: bool = False
-) -> type[Message]:
-    """Return the class of a type; see ``Registry.message_class``."""
-    return default_registry().message_class(name, number, any_version=any_version)
-
-
-def service_class(name: str) -> type[ServiceType]:
-    """Return a service's pair of messages; see ``Registry.service_class``."""
-    return default_registry().service_class(name)
-
-
-def service_name(name: str) -> str:
-    """Return a service's full name; see ``Registry.service_name``."""
-    return default_registry().service_name(name)
-
-
-def enum_names() -> list[str]:
-    """Return the names of all enums; see ``Registry.enum_names``."""
-    return default_registry().enum_names()
-
-
-def enum_class(name: str) -> type[EnumValue]:
-    """Return the class of an enum; see ``Registry.enum_class``."""
-    return default_registry().enum_class(name)
-
-
-def candidates(fingerprint: int, channel: str = "") -> list[str]:
-    """Return the names of the types with this unsigned fingerprint; see ``Registry.candidates``."""
-    return default_registry().candidates(fingerprint, channel)
-
-
-def versioned(name: str, number: int) -> str:
-    """Return the name that means the type with this fingerprint; see ``Registry.versioned``."""
-    return default_registry().versioned(name, number)
-
-
-def versions(name: str) -> Mapping[int, str]:
-    """Return the files of a type's versions by fingerprint; see ``Registry.versions``."""
-    return default_registry().versions(name)
-
-
-def type_names() -> list[str]:
-    """Return the names of all message types, sorted."""
-    return default_registry().type_names()
-
-
-def service_names() -> list[str]:
-    """Return the names of all service pairs, sorted."""
-    return default_registry().service_names()
+_TYPES = Registry([shipped_types()], current_supply, _log)
+message_class = _TYPES.message_class
+service_class, service_name, service_names = (
+    _TYPES.service_class,
+    _TYPES.service_name,
+    _TYPES.service_names,
+)
+enum_names, enum_class = _TYPES.enum_names, _TYPES.enum_class
+type_names, candidates = _TYPES.type_names, _TYPES.candidates
+versions, versioned = _TYPES.versions, _TYPES.versioned
+type_file, type_files, problems = _TYPES.file, _TYPES.files, _TYPES.problems
 
 
 def is_own(name: str) -> bool:
     """Return whether a type, by its full name, is the user's own, not one that lcmtools ships."""
-    return bool(default_registry().file(name.partition("@")[0]))
+    return bool(type_file(name.partition("@")[0]))
 
 
 def packages() -> list[str]:
@@ -419,11 +359,6 @@ def means_type(word: str) -> bool:
     """
     is_of_package = word.partition("/")[0] in packages()
     return is_of_package or find(word.partition("@")[0], set(type_names()), "type") is not None
-
-
-def problems() -> Sequence[Problem]:
-    """Return the problems of the user's own .lcm files, whose types may be missing."""
-    return default_registry().problems()
 
 
 def type_name(message: Message | type) -> str:

@@ -1,18 +1,17 @@
-"""Arrays and strings in a payload, and the cursor that never reads past a payload's end.
+"""LCM's encoding of arrays and strings, and the cursor that never reads past a payload's end.
 
-Belongs here: LCM's encoding. Numbers are big-endian; a boolean is one byte; a string is its length
-including the closing NUL (4 bytes), UTF-8 and NUL; an array is its elements row by row, and its
-sizes are elsewhere. Must not know messages. For a value that is not plain, writing raises whatever
-Python raises; reading raises Malformed.
+Numbers are big-endian; a boolean is one byte; a string is its length including the closing NUL (4
+bytes), UTF-8 and NUL; an array is its elements row by row, and its sizes are elsewhere. Must not
+know messages. For a value that is not plain, writing raises whatever Python raises; reading, which
+``coder`` generates, raises Malformed.
 """
 
 import struct
 import sys
-from abc import ABC, abstractmethod
 from array import array
-from collections.abc import Sequence, Sized
+from collections.abc import Callable, Sequence, Sized
 from functools import lru_cache
-from math import prod
+from typing import Any, TypeAlias
 
 from lcmtools.messages.number_array import NumberArray
 from lcmtools.messages.scalars import STRAY_BYTES
@@ -25,19 +24,27 @@ BOOLEANS: dict[object, bool] = {False: False, True: True}
 """The values accepted as booleans; ``struct`` itself accepts any object as true."""
 STRING_BYTES = 4
 """The size of an empty string: its length, which counts its NUL."""
+MOST_KEPT = 4096
+"""Bytes of strings in an array that are kept, as a robot's joints have the same names in each
+message: comparing them is ten times as fast as reading or writing them again."""
+IS_LITTLE = sys.byteorder == "little"
+"""True if a payload's numbers have to be byte-swapped."""
 
 # Elements without bytes (empty messages, empty rows) that one payload may contain: without a limit,
 # 4 bytes could claim two billion of them.
 _MOST_WEIGHTLESS = 65_536
 _DEEPEST = 100  # levels of arrays of messages; only a type that contains itself could have as many
-_LENGTH = struct.Struct(">I")
-IS_LITTLE = sys.byteorder == "little"
-"""True if a payload's numbers have to be byte-swapped."""
 _SHORT = 64  # numbers: an array of a fixed size up to this is decoded as a tuple
-_MOST_KEPT = 4096  # bytes of strings that are kept
 _LISTS = (list, tuple)
+_LENGTH = struct.Struct(">I")
 _LONG = "q" if struct.calcsize("l") > struct.calcsize("i") else "i"  # by C's long here
 _SAME = {code: (code, "l") if code == _LONG else (code,) for code in FORMATS.values()}
+
+WriteArray: TypeAlias = Callable[[object, Any], bytes]
+"""Returns the bytes of an array of this size, or of these sizes, outermost first.
+
+ValueError is raised for another size.
+"""
 
 
 class Malformed(ValueError):  # noqa: N818 - named for what happened, as in errors.py
@@ -86,79 +93,40 @@ class Cursor:
         return Malformed(f"{size} bytes wanted at {where}, {len(self.data) - self.offset} left")
 
 
-class ArrayCodec(ABC):
-    """An array of one dimension: ``smallest`` is the least size of an element [byte]."""
-
-    smallest: int
-
-    @abstractmethod
-    def write(self, values: object, count: int) -> bytes:
-        """Return the bytes of all elements; there must be ``count``."""
-
-    @abstractmethod
-    def read(self, count: int, cursor: Cursor) -> object:
-        """Return ``count`` elements."""
-
-    def scan(self, data: bytes, start: int, count: int) -> tuple[object, int]:
-        """Return elements and their end; after any exception, ``read`` reports the fault."""
-        cursor = Cursor(data, start)
-        return self.read(count, cursor), cursor.offset
-
-
-def primitive_array(type_name: str, where: str, size: int | str) -> ArrayCodec:
-    """Return the codec of arrays of a primitive type, with a fixed size or one in a length field.
-
-    ``where`` is its place, for errors.
-    """
+def primitive_writer(type_name: str) -> WriteArray:
+    """Return the function that writes arrays of a primitive type."""
     if type_name == "string":
-        return _Strings(where)
-    if type_name == "uint8":
-        return _Bytes(where)
-    return _Numbers(FORMATS[type_name], where, size)
+        return _string_writer()
+    return write_bytes if type_name == "uint8" else _number_writer(FORMATS[type_name])
 
 
-class _Numbers(ArrayCodec):
-    """Numbers: a tuple for a small fixed size, else a NumberArray; booleans: a list."""
+def row_writer(write_row: WriteArray) -> WriteArray:
+    """Return the function that writes arrays of several dimensions by that of their rows."""
 
-    def __init__(self, code: str, where: str, size: int | str) -> None:
-        self._code = code
-        self._is_tuple = is_short(size)
-        self._where = where
-        self.smallest = struct.calcsize(f">{code}")
+    def write(values: object, sizes: Sequence[int]) -> bytes:
+        count, inner = sizes[0], sizes[1:]
+        if not inner:
+            return write_row(values, count)
+        rows = as_sequence(values)
+        check_count(rows, count)
+        return b"".join([write(row, inner) for row in rows])
 
-    def write(self, values: object, count: int) -> bytes:
-        if type(values) not in _LISTS and (own := _own_numbers(values, self._code)) is not None:
+    return write
+
+
+def _number_writer(code: str) -> WriteArray:
+    def write(values: object, count: int) -> bytes:
+        if type(values) not in _LISTS and (own := _own_numbers(values, code)) is not None:
             check_count(own, count)
-            return _swap(own).tobytes()
+            if IS_LITTLE:
+                own.byteswap()
+            return own.tobytes()
         numbers = as_sequence(values)
-        if self._code == "?":
+        if code == "?":
             numbers = [BOOLEANS[value] for value in numbers]
-        return numbers_struct(count, self._code).pack(*numbers)
+        return numbers_struct(count, code).pack(*numbers)
 
-    def read(self, count: int, cursor: Cursor) -> object:
-        start = cursor.advance(count * self.smallest, self._where)
-        if self._code != "?" and not self._is_tuple:
-            return _swap(NumberArray(self._code, cursor.data[start : cursor.offset]))
-        numbers = numbers_struct(count, self._code).unpack_from(cursor.data, start)
-        return list(numbers) if self._code == "?" else numbers
-
-
-def is_short(size: int | str) -> bool:
-    """Return True if an array of numbers of this size is decoded as a tuple."""
-    return isinstance(size, int) and size <= _SHORT
-
-
-@lru_cache
-def numbers_struct(count: int, code: str) -> struct.Struct:
-    """Return the ``struct`` of some numbers of one type."""
-    return struct.Struct(f">{count}{code}")
-
-
-def _swap(numbers: "array[float]") -> "array[float]":
-    """Convert between the machine's and the payload's byte order, in place; return the array."""
-    if IS_LITTLE:
-        numbers.byteswap()
-    return numbers
+    return write
 
 
 def _own_numbers(values: object, code: str) -> "array[float] | None":
@@ -174,121 +142,45 @@ def _own_numbers(values: object, code: str) -> "array[float] | None":
     return array(code, view.tobytes())
 
 
-class _Bytes(ArrayCodec):
-    """Bytes, as one ``bytes``; written without a copy if given as one."""
-
-    smallest = 1
-
-    def __init__(self, where: str) -> None:
-        self._where = where
-
-    def write(self, values: object, count: int) -> bytes:
-        data = values if type(values) is bytes else as_bytes(values)
-        check_count(data, count)
-        return data
-
-    def read(self, count: int, cursor: Cursor) -> bytes:
-        start = cursor.advance(count, self._where)
-        return cursor.data[start : start + count]
+def write_bytes(values: object, count: int) -> bytes:
+    """Return bytes, without a copy if given as such."""
+    data = values if type(values) is bytes else as_bytes(values)
+    check_count(data, count)
+    return data
 
 
-class _Strings(ArrayCodec):
-    """Strings, as a list.
+def _string_writer() -> WriteArray:
+    kept: tuple[list[object], bytes] = [], b""
 
-    A robot's joints have the same names in each message. So the last strings and their bytes are
-    kept: comparing them is ten times as fast as reading or writing them again.
-    """
-
-    smallest = STRING_BYTES
-
-    def __init__(self, where: str) -> None:
-        self._where = where
-        self._written: tuple[list[object], bytes] = [], b""
-        self._read: tuple[list[str], bytes] = [], b""
-
-    def write(self, values: object, count: int) -> bytes:
+    def write(values: object, count: int) -> bytes:
+        nonlocal kept
         strings = as_sequence(values)
         check_count(strings, count)
-        last, data = self._written
+        last, data = kept
         if strings != last:
-            data = b"".join(map(string_bytes, strings))
-            if len(data) <= _MOST_KEPT:
-                self._written = [*strings], data
+            data = b"".join(map(_string_bytes, strings))
+            if len(data) <= MOST_KEPT:
+                kept = [*strings], data
         return data
 
-    def read(self, count: int, cursor: Cursor) -> list[str]:
-        cursor.expect(count, self.smallest, self._where)
-        return [read_string(cursor, self._where) for _ in range(count)]
-
-    def scan(self, data: bytes, start: int, count: int) -> tuple[list[str], int]:
-        last, block = self._read
-        if count == len(last) and data.startswith(block, start):
-            return last.copy(), start + len(block)
-        if count < 0:
-            raise Malformed
-        strings, end = [], start
-        for _ in range(count):
-            begin = end + STRING_BYTES
-            end = begin + _LENGTH.unpack_from(data, end)[0]
-            strings.append(data[begin : end - 1].decode())
-            if data[end - 1]:
-                raise Malformed
-        if end - start <= _MOST_KEPT:
-            self._read = strings.copy(), data[start:end]
-        return strings, end
+    return write
 
 
-class Array:
-    """An array of several dimensions, made of rows of one kind."""
-
-    def __init__(self, row: ArrayCodec, where: str) -> None:
-        self._row = row
-        self._where = where
-
-    def write(self, values: object, sizes: Sequence[int]) -> bytes:
-        """Return its bytes; a wrong size raises ValueError."""
-        count, inner = sizes[0], sizes[1:]
-        if not inner:
-            return self._row.write(values, count)
-        rows = as_sequence(values)
-        check_count(rows, count)
-        return b"".join([self.write(row, inner) for row in rows])
-
-    def read(self, sizes: Sequence[int], cursor: Cursor) -> object:
-        """Return the array of these sizes, outermost first."""
-        count, inner = sizes[0], sizes[1:]
-        if not inner:
-            return self._row.read(count, cursor)
-        if min(sizes) < 0:
-            raise Malformed(f"negative length at {self._where}")
-        cursor.expect(count, prod(inner) * self._row.smallest, self._where)
-        return [self.read(inner, cursor) for _ in range(count)]
-
-    def scan(self, data: bytes, start: int, sizes: Sequence[int]) -> tuple[object, int]:
-        """Return the array and its end, like ``ArrayCodec.scan``."""
-        cursor = Cursor(data, start, "strict")
-        return self.read(sizes, cursor), cursor.offset
-
-
-def string_bytes(value: object) -> bytes:
+def _string_bytes(value: object) -> bytes:
     """Return a string's bytes; TypeError for anything but text."""
     text = str.encode(value, "utf-8", STRAY_BYTES)  # type: ignore[arg-type] # as said
     return _LENGTH.pack(len(text) + 1) + text + b"\0"
 
 
-def read_string(cursor: Cursor, where: str) -> str:
-    """Return a string; bytes that are not UTF-8 become U+FFFD, as with lcm-gen, or are kept."""
-    data = cursor.data
-    start = cursor.advance(STRING_BYTES, where) + STRING_BYTES
-    end = start + _LENGTH.unpack_from(data, start - STRING_BYTES)[0]
-    if end > len(data):
-        cursor.advance(end - start, where)
-    cursor.offset = end
-    if start == end:  # no NUL at all, which lcm-gen's decoders accept
-        return ""
-    if data[end - 1]:
-        raise Malformed(f"no NUL at the end of {where}")
-    return data[start : end - 1].decode("utf-8", cursor.stray)
+def is_short(size: int | str) -> bool:
+    """Return True if an array of numbers of this size is decoded as a tuple."""
+    return isinstance(size, int) and size <= _SHORT
+
+
+@lru_cache
+def numbers_struct(count: int, code: str) -> struct.Struct:
+    """Return the ``struct`` of some numbers of one type."""
+    return struct.Struct(f">{count}{code}")
 
 
 def length(old: int, *arrays: tuple[object, int]) -> int:

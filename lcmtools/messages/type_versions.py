@@ -15,9 +15,9 @@ from lcmtools.messages.fields import PRIMITIVES, Field, fields
 from lcmtools.messages.python_names import base_hash
 from lcmtools.messages.registry import (
     Message,
-    default_registry,
     fingerprint,
     message_class,
+    type_files,
     type_name,
     versioned,
 )
@@ -60,7 +60,7 @@ def may_be_fingerprint(number: int) -> bool:
 
 def own_types_like(channel: str) -> list[str]:
     """Return the user's own types whose names resemble a channel's, the most similar first."""
-    shares = {name: resemblance(name, channel)[0] for name in default_registry().files()}
+    shares = {name: resemblance(name, channel)[0] for name in type_files()}
     found = [name for name, share in shares.items() if share >= _ALIKE]
     return sorted(found, key=lambda name: (-shares[name], name))
 

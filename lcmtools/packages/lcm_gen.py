@@ -13,7 +13,7 @@ from pathlib import Path
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import write_whole
 from lcmtools.messages.type_source import Problem
-from lcmtools.packages.cpp_enums import enum_header
+from lcmtools.packages.cpp_code import enum_header, with_lengths
 from lcmtools.packages.lcm_parser import LcmType, without_comments
 from lcmtools.packages.placed_type import file_types, parse_file
 from lcmtools.packages.python_code import as_portable_values
@@ -127,7 +127,7 @@ def generate_code(files: Iterable[Path], language: str, folder: Path) -> list[Pa
                 if fault := run_lcm_gen(lcm, options):
                     raise Problem(str(file), 0, fault).error()
                 if language == "cpp":
-                    _write_enums((one.type for one in types.types), scratch)
+                    _complete_cpp((one.type for one in types.types), scratch)
             translated.write_bytes(bytes(_ROOM))  # lcm-gen does not report a full disk
             made = sorted(one.relative_to(scratch) for one in scratch.rglob("*") if one.is_file())
             for path in made:
@@ -149,12 +149,14 @@ def _keywords(file: Path, lcm: Path, language: str) -> Iterator[Problem]:
         yield Problem(str(file), line, what, "use another name")
 
 
-def _write_enums(types: Iterable[LcmType], folder: Path) -> None:
-    """Write the C++ of enums into a folder, beside that of lcm-gen."""
+def _complete_cpp(types: Iterable[LcmType], folder: Path) -> None:
+    """Write the C++ that lcm-gen's lacks in a folder."""
     for one in types:
-        if one.values is not None:
-            *package, name = one.name.replace("/", ".").split(".")
-            path = folder.joinpath(*package, f"{name}.hpp")
+        *package, name = one.name.replace("/", ".").split(".")
+        path = folder.joinpath(*package, f"{name}.hpp")
+        if one.values is None:
+            path.write_text(with_lengths(path.read_text("utf-8"), one.fields), "utf-8")
+        else:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(enum_header(package, name, one.values, one.number), "utf-8")
 

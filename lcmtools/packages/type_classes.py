@@ -25,7 +25,7 @@ from lcmtools.messages import codec
 from lcmtools.messages.coder import coder
 from lcmtools.messages.enums import enum_class
 from lcmtools.messages.python_names import python_name, python_path
-from lcmtools.messages.registry import Message, default_registry, fingerprint, type_name
+from lcmtools.messages.registry import Message, fingerprint, message_class, type_file, type_name
 from lcmtools.messages.rows import Cursor
 from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import SHIPPED, TypeSource, shown
@@ -266,7 +266,7 @@ def find_class(name: str, number: int, file: str) -> type[Message]:
 
 
 def _any_class(name: str, number: int) -> type[Message]:
-    return default_registry().message_class(name, number, any_version=True)
+    return message_class(name, number, any_version=True)
 
 
 def _reduce(cls: OwnType) -> str | tuple[object, ...]:
@@ -274,7 +274,7 @@ def _reduce(cls: OwnType) -> str | tuple[object, ...]:
         return cls.__qualname__
     kind = cast("type[Message]", cls)
     name, number = type_name(kind), fingerprint(kind)
-    return find_class, (name, number, default_registry().file(name, number))
+    return find_class, (name, number, type_file(name, number))
 
 
 copyreg.pickle(OwnType, _reduce)  # type: ignore[arg-type] # for typeshed only functions that return tuples

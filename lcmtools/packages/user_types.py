@@ -20,7 +20,6 @@ from lcmtools.messages.python_names import python_name
 from lcmtools.messages.registry import (
     Message,
     ServiceType,
-    default_registry,
     enum_class,
     enum_names,
     fingerprint,
@@ -28,6 +27,8 @@ from lcmtools.messages.registry import (
     packages,
     service_class,
     service_names,
+    type_file,
+    type_files,
     type_name,
     type_names,
 )
@@ -35,6 +36,7 @@ from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
+from lcmtools.packages.placed_type import Comment, comments
 from lcmtools.packages.type_files import (
     LcmFile,
     installed_folders,
@@ -199,7 +201,7 @@ def sources_of(words: Sequence[str]) -> list[Path]:
         UnknownType: There is no such type or package, or the user has no own types.
         InvalidFile: A .lcm file is wrong.
     """
-    own = default_registry().files()
+    own = type_files()
     names: set[str] = set()
     enums = set() if words else {*enum_names()}
     for word in words or own:
@@ -219,12 +221,19 @@ def sources_of(words: Sequence[str]) -> list[Path]:
 def source_file(kind: type[Message]) -> str:
     """Return the path of a message type's file, a .lcm or ROS file."""
     name = type_name(kind)
-    return default_registry().file(name, fingerprint(kind)) or f"{shipped_folder() / name}.lcm"
+    return type_file(name, fingerprint(kind)) or f"{shipped_folder() / name}.lcm"
 
 
 def source_text(kind: type[Message]) -> str:
     """Return the content of a message type's file, as its author wrote it."""
     return read_source(source_file(kind), type_name(kind))
+
+
+def type_comments(kind: type[Message]) -> dict[str, Comment]:
+    """Return the comments on a type in its file, by field; see ``placed_type.comments``."""
+    name, file = type_name(kind), source_file(kind)
+    package = "" if file.endswith(".lcm") else name.rpartition("/")[0]
+    return comments(LcmFile(file, read_source(file, name).encode(), package), name)
 
 
 def read_source(file: str, name: str) -> str:

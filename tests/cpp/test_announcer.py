@@ -49,6 +49,8 @@ def test_it_is_listed_with_its_topics(mode, announce, cli):
     assert cli("node", "list").out == "/lidar_driver\n"
     (record,) = json.loads(cli("node", "info", "/lidar_driver", "--json").out)
     assert record["pid"] == running.pid
+    assert (record["callback_time"], record["publications"][0]["callbacks"]) == (None, None)
+    assert_says(cli("node", "info", "/lidar_driver").out, "In callbacks: not known")
     assert_says(cli("info", "SCAN").out, "Type: sensors/scan_t", "/lidar_driver")
     heard = "/lidar_driver" in cli("info", 'CMD."').out
     assert heard == (mode == "listen")

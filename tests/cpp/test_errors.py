@@ -26,6 +26,8 @@ CASES = {
     "node": "'a b' is not a legal node name",
     "init": "lcmtools::init() was called twice",
     "nobody": "/nobody did not answer within 0.1 s; see whether its node runs",
+    "length": "data has 2 elements, but its length is 0; set the length that belongs to it",
+    "nested": "dim has 0 elements, but its length is 3; set the length that belongs to it",
     "idle": "/own did not answer within 0.1 s: its node /faulty is in this program",
 }
 

@@ -15,6 +15,7 @@ import pytest
 from fixtures.says import assert_says
 
 from lcmtools import Node
+from lcmtools.bag.rerunning.private_bus import PrivateBus
 from lcmtools.bus.kernel import receive_buffer_bytes, receive_buffers
 from lcmtools.bus.open import open_bus
 from lcmtools.bus.url import parse_url
@@ -27,12 +28,14 @@ from lcmtools.graph.protocol import (
     decode_announcement,
     encode_probe,
 )
+from lcmtools.packages.cpp import compiler_flags
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import SetBool
 from lcmtools.wire.tcpq import PUBLISH, SERVER_GREETING, FrameReader
 
 NAME = "/husky0/everything"
+PROGRAMS = Path(__file__).parent / "programs"
 
 
 @pytest.fixture(autouse=True)
@@ -392,3 +395,16 @@ def test_on_tcpq_half_a_message_holds_up_no_timer(node_program, start):
                 counts.update(one.name for one in reader.read(client.recv(1 << 16)))
                 if not before and counts["PLAIN"]:
                     client.sendall(half)
+
+
+def test_a_tcpq_server_gets_the_messages_of_two_threads_whole(compiled, compiler, start):
+    source = PROGRAMS / "two_threads.cpp"
+    program = compiled("two_threads", compiler, "-O0", source, *compiler_flags())
+    heard = Counter()
+    with PrivateBus() as bus:
+        runner = start(str(program), LCM_DEFAULT_URL=bus.url)
+        while not bus.count or bus.clients:
+            heard.update((one.channel, one.payload) for one in bus.turn(1.0))
+        assert runner.wait() == 0
+    assert (bus.count, heard["/words", b"whole"]) == (1, 6000)
+    assert {channel for channel, _ in heard} <= {"/words", "/rosout", NODE_CHANNEL}

@@ -248,6 +248,18 @@ def test_a_command_file_only_parses_asks_and_prints(path):
     assert "threading" not in text
 
 
+def test_standard_output_is_written_in_one_place():
+    """A full disk and a reader who has gone are dealt with there; print is ruff's (T201)."""
+    writes = re.compile(r"(?:stdout|__stdout__)\.(?:write|buffer)|click\.s?echo\(")
+    files = (ROOT / "lcmtools").rglob("*.py")
+    found = {
+        str(path.relative_to(ROOT / "lcmtools"))
+        for path in files
+        if writes.search(path.read_text())
+    }
+    assert found == {"cli/output.py", "cli/main.py", "labs/nodes/picture/screen.py"}
+
+
 @pytest.mark.parametrize("name", ["bag.open", "observe.messages", "publish.publish"])
 def test_a_public_package_is_found_without_an_import_of_its_own(name):
     program = f"import lcmtools; print(lcmtools.{name}.__name__)"

@@ -14,8 +14,8 @@ OF_THE_SYSTEM = {
     *("XDG_CONFIG_HOME", "XDG_DATA_HOME", "XDG_RUNTIME_DIR", "XDG_STATE_HOME", "ZDOTDIR"),
 }
 BETWEEN_PROCESSES = {"LCMTOOLS_GUARD", "LCMTOOLS_LOCKSTEP", "_LCMTOOLS_COMPLETE"}
-OTHER_NAMES = {"LCM_SELF_TEST", "CATKIN_IGNORE"}
-"""Not variables: a channel, a file."""
+OTHER_NAMES = {"LCM_SELF_TEST", "CATKIN_IGNORE", "SC_CLK_TCK", "SC_PAGE_SIZE"}
+"""Not variables: a channel, a file, values of sysconf."""
 _NAME = re.compile(r"_?[A-Z][A-Z0-9]*(_[A-Z0-9]+)+|[A-Z]+")
 
 

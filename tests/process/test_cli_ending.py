@@ -90,31 +90,29 @@ def is_on_the_bus(process):
 
 
 @pytest.mark.usefixtures("talker")
-@pytest.mark.parametrize("number", SIGNALS)
 @pytest.mark.parametrize(
-    "arguments",
+    ("number", "line"),
     [
-        ["echo", "chatter"],
-        ["echo", "/nothing"],
-        ["hz", "/nothing"],
-        ["list", "--wait", "1m"],
-        ["wtf", "--wait", "1m"],
-        ["node", "ping", "talker"],
-        ["pub", "/a", "std_msgs/String", "x"],
-        ["pub", "-r", "100", "/a", "std_msgs/String", "x"],
+        (signal.SIGINT, "echo chatter"),
+        (signal.SIGTERM, "echo chatter"),
+        (signal.SIGINT, "hz /nothing"),
+        (signal.SIGINT, "list --wait 1m"),
+        (signal.SIGTERM, "wtf --wait 1m"),
+        (signal.SIGINT, "node ping talker"),
+        (signal.SIGTERM, "pub /a std_msgs/String x"),
+        (signal.SIGINT, "pub -r 100 /a std_msgs/String x"),
     ],
-    ids=" ".join,
 )
 def test_command_ends_at_once_with_the_signals_code_and_without_a_word(
-    number, arguments, begin, wait_until, stopwatch
+    number, line, begin, wait_until, stopwatch
 ):
-    process = begin(*arguments)
+    process = begin(*line.split())
     wait_until(is_on_the_bus(process))
     ending = Ending(process, number, stopwatch(process.pid))
     assert ending.code == 128 + number
     assert ending.seconds < 1.0
     assert set(ending.error.splitlines()) <= {
-        f"subscribed to [{arguments[-1]}]",
+        f"subscribed to [{line.split()[-1]}]",
         "lcmtools pub: no node subscribes to /a yet; publishing anyway",
         "publishing and latching message. Press ctrl-C to terminate",
     }
@@ -128,8 +126,14 @@ def _run_program(lines):
     return ended.returncode, ended.stdout, ended.stderr
 
 
-@pytest.mark.parametrize("number", [*SIGNALS, signal.SIGHUP])
-@pytest.mark.parametrize("place", ["provide_user_types", "set_supply"])
+@pytest.mark.parametrize(
+    ("number", "place"),
+    [
+        (signal.SIGINT, "provide_user_types"),
+        (signal.SIGTERM, "set_supply"),
+        (signal.SIGHUP, "set_supply"),
+    ],
+)
 def test_signal_just_before_or_after_a_command_has_its_code_too(number, place):
     lines = f"""
 from lcmtools.cli import main
@@ -154,21 +158,19 @@ sys.meta_path.insert(0, Finder())"""
     assert _run_program(lines) == (130, b"", b"")
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(
-    number, begin, wait_until, stopwatch
-):
+def test_pub_that_waits_for_standard_input_ends_with_the_signals_code(begin, wait_until, stopwatch):
     process = begin("pub", "-f", "-", "/a", "std_msgs/String")
     wait_until(is_on_the_bus(process))
-    ending = Ending(process, number, stopwatch(process.pid))
-    assert (ending.code, ending.out) == (128 + number, "")
+    ending = Ending(process, signal.SIGINT, stopwatch(process.pid))
+    assert (ending.code, ending.out) == (130, "")
     assert ending.seconds < 1.0
     for line in ending.error.splitlines():
         assert_says(line, "lcmtools pub: no node", "/a", "; publishing anyway")
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize(
+    ("number", "node"), [(signal.SIGTERM, "talker"), *((signal.SIGINT, node) for node in NODES)]
+)
 def test_node_ends_within_a_second_quietly_with_0(number, node, begin, cli, wait_until, stopwatch):
     process = begin("run", node, "__ns:=/ending")
     wait_until(lambda: f"/ending/{node}" in cli("node", "list").out)
@@ -209,17 +211,10 @@ def test_sigint_ends_what_a_shell_script_has_started_in_the_background(command, 
 @pytest.mark.parametrize(
     "command",
     [
-        "echo chatter",
         "echo --json chatter",
-        "hz chatter",
-        "list",
         "info chatter",
         "node ping talker",
-        "node info talker",
         "msg list",
-        "msg show --json Odometry",
-        "wtf --wait 0.1",
-        "--help",
     ],
 )
 def test_reader_who_has_had_enough_is_no_fault(command, shell):
@@ -252,7 +247,7 @@ def test_who_waits_for_the_readers_end_ends_with_the_command(cli, wait_until):
 @pytest.mark.usefixtures("talker")
 @pytest.mark.parametrize(
     "command",
-    ["echo chatter", "hz chatter", "list", "info chatter", "node ping talker", "msg list", "wtf"],
+    ["echo chatter", "list", "node ping talker", "wtf"],
 )
 def test_full_disk_is_one_line_and_the_exit_code_of_a_failure(command, shell):
     result = shell(f"lcmtools {command} > /dev/full")
@@ -263,7 +258,7 @@ def test_full_disk_is_one_line_and_the_exit_code_of_a_failure(command, shell):
     assert set(result.stderr.splitlines()[:-1]) <= {"subscribed to [/chatter]"}
 
 
-@pytest.mark.parametrize("command", ["--help", "--version", "echo --help"])
+@pytest.mark.parametrize("command", ["--version", "echo --help"])
 def test_help_on_a_full_disk_is_one_line_and_exit_code_1(command, shell):
     result = shell(f"lcmtools {command} > /dev/full")
     assert result.returncode == 1

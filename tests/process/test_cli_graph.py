@@ -5,10 +5,9 @@ import re
 import signal
 import socket
 import sys
-from pathlib import Path
 
 import pytest
-from fixtures.says import assert_line, assert_says
+from fixtures.says import assert_says
 
 from lcmtools.wire.datagram import short_message
 
@@ -20,36 +19,18 @@ print("ready", flush=True)
 while True:
     bus.handle()
 """
-_SERVER = """
-import lcmtools
-from lcmtools.types.std_srvs import Trigger
-from lcmtools.types.std_msgs import String
-lcmtools.init()
-node = lcmtools.Node("server")
-node.create_service(Trigger, "reset", lambda request, response: response)
-node.create_subscription(String, "orders", lambda message: None, 10)
-print("ready", flush=True)
-lcmtools.spin(node)
-"""
 
 
 @pytest.fixture(scope="module")
-def programs(module_start, lcmtools_path, tmp_path_factory):
-    """A talker, a listener in a namespace, a server, lcm-source, and a script that only listens."""
-    import sysconfig
-
-    source = str(Path(sysconfig.get_path("purelib")) / "bin" / "lcm-source")
-    server = tmp_path_factory.mktemp("server") / "server.py"
-    server.write_text(_SERVER)
+def programs(module_start, lcmtools_path, lcm_program):
+    """A talker, a listener in a namespace, lcm-source, and a script that only listens."""
     started = {
         "plain": module_start(sys.executable, "-c", _LISTENER),
-        "server": module_start(sys.executable, str(server)),
-        "source": module_start(source, "-m", "EXAMPLE"),
+        "source": module_start(lcm_program("lcm-source"), "-m", "EXAMPLE"),
         "listener": module_start(lcmtools_path, "run", "listener", "__ns:=/r", "chatter:=/chatter"),
         "talker": module_start(lcmtools_path, "run", "talker"),
     }
     started["plain"].wait_for("ready")
-    started["server"].wait_for("ready")
     started["listener"].wait_for("I heard: [hello world")
     return started
 
@@ -87,14 +68,6 @@ def test_text_shows_who_feeds_whom(cli, on_bus):
         result.out,
         re.MULTILINE,
     )
-    parts = ("1 unused topic", "--leaf-topics", "/rosout", "--all")
-    assert_line(result.err, "not drawn: ", *parts)
-
-
-def test_in_the_c_locale_text_is_ascii(cli, on_bus):
-    del on_bus
-    text = cli("graph", "/talker", env={"LC_ALL": "C"}).out
-    assert text == "/talker\n`- /chatter [std_msgs/String]\n   `> /r/listener\n"
 
 
 def test_json_has_nodes_programs_and_edges(cli, on_bus):
@@ -110,23 +83,6 @@ def test_json_has_nodes_programs_and_edges(cli, on_bus):
     assert (nodes[int(plain)]["observed"], nodes[int(plain)]["listens"]) == (True, True)
 
 
-def test_leaf_topics_and_services_are_shown_where_asked_for(cli, on_bus):
-    del on_bus
-    document = json.loads(cli("graph", "--json", "--leaf-topics", "--services", "/server").out)
-    assert edges_of(document) == {
-        ("/orders", "subscribes", "/server"),
-        ("/reset", "serves", "/server"),
-    }
-
-
-def test_all_leaves_nothing_out(cli, on_bus):
-    del on_bus
-    result = cli("graph", "-a")
-    assert "/rosout" in result.out
-    assert "/orders" in result.out
-    assert result.err == ""
-
-
 def test_a_looking_command_is_shown_by_tools(cli, on_bus, module_start, lcmtools_path):
     del on_bus
     echo = module_start(lcmtools_path, "echo", "/chatter")
@@ -137,53 +93,6 @@ def test_a_looking_command_is_shown_by_tools(cli, on_bus, module_start, lcmtools
         assert f"/_lcmtools_echo_{echo.pid} (observes)" in cli("graph", "--tools").out
     finally:
         echo.end()
-
-
-def test_nodes_only_connects_nodes(cli, on_bus):
-    del on_bus
-    document = json.loads(cli("graph", "--nodes-only", "--json", "/r").out)
-    assert edges_of(document) == {("/talker", "feeds", "/r/listener")}
-    assert document["edges"][0]["topics"] == ["/chatter"]
-
-
-def test_rates_are_measured(cli, on_bus):
-    del on_bus
-    document = json.loads(cli("graph", "--hz", "--json", "EXAMPLE").out)
-    assert document["topics"][0]["rate"] > 0
-    assert document["edges"][0]["rate"] == document["topics"][0]["rate"]
-
-
-def test_a_file_has_the_format_that_its_name_tells(cli, on_bus, tmp_path):
-    del on_bus
-    file = tmp_path / "graph.gv"
-    result = cli("graph", "--group", "-o", str(file))
-    said = f"wrote {file}: 3 nodes, 2 other programs, 2 topics\n"
-    assert (result.code, result.out) == (0, "")
-    assert result.err.startswith(said)
-    labels = re.findall(r'label="([^"\\]*)', file.read_text())
-    assert {"/talker", "/chatter", "/r/listener", "EXAMPLE", "/r"} <= set(labels)
-    again = cli("graph", "-o", str(file))
-    assert again.code == 2
-    assert "--force overwrites it" in again.err
-
-
-def test_dot_and_mermaid_go_to_standard_output(cli, on_bus):
-    del on_bus
-    dot = cli("graph", "--format", "dot", "/talker")
-    assert dot.out.startswith("digraph lcmtools {\n")
-    assert re.search(r"n\d+ -> t\d+ \[", dot.out)
-    mermaid = cli("graph", "--format", "mermaid", "/talker").out
-    assert re.search(r"n\d+ --> t\d+\n", mermaid)
-
-
-def test_what_is_nowhere_is_said(cli, on_bus, bus_url):
-    del on_bus
-    result = cli("graph", "/nowhere")
-    assert (result.code, result.out) == (0, "")
-    assert_says(result.err, "nothing of /nowhere", "udpm://")
-    empty = cli("graph", "--format", "dot", env={"LCM_DEFAULT_URL": bus_url})
-    assert empty.out.startswith("digraph lcmtools {")
-    assert empty.err == f"nothing to draw on {bus_url}\n"
 
 
 def test_two_of_the_same_name_and_a_stale_one(cli, start, lcmtools_path, bus_url):
@@ -222,19 +131,6 @@ def test_channels_of_any_bytes_are_drawn(cli, start, tmp_path):
         assert result.code == 0
         assert "日本" in result.out
         assert not re.search(r"[\x00-\x09\x0b-\x1f]", result.out)
-
-
-def test_a_log_is_drawn_too(cli, tmp_path):
-    import struct
-
-    def event(number, channel, data):
-        head = struct.pack(">IQQII", 0xEDA1DA01, number, number * 100_000, len(channel), len(data))
-        return head + channel + data
-
-    log = tmp_path / "a.log"
-    log.write_bytes(b"".join(event(number, b"POSE", bytes(8)) for number in range(3)))
-    result = cli("graph", "--hz", f"--lcm-url=file://{log}", env={"LC_ALL": "C"})
-    assert result.out == "a program (no node)\n`- POSE [unknown type] 10.0 Hz\n"
 
 
 def test_where_the_bus_tells_no_senders_programs_are_one(cli, start, lcmtools_path, tcpq_server):

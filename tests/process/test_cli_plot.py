@@ -1,24 +1,15 @@
 """plot: fields over time, of a bus and of a log."""
 
-import lcm
 import pytest
+from fixtures.build import write_log
 from fixtures.says import assert_line
-
-from lcmtools.messages.codec import encode
-from lcmtools.types.geometry_msgs import Twist
 
 
 @pytest.fixture
 def log(tmp_path):
     """The path of a log with a Twist on /cmd each second."""
-    path = str(tmp_path / "a.log")
-    log = lcm.EventLog(path, "w", overwrite=True)
-    for number in range(20):
-        twist = Twist()
-        twist.linear.x = number / 4
-        log.write_event(1_000_000 * (100 + number), "/cmd", encode(twist))
-    log.close()
-    return path
+    drive = ((n, "/cmd", "geometry_msgs/Twist", {"linear": {"x": n / 4}}) for n in range(20))
+    return write_log(tmp_path / "a.log", *drive)
 
 
 def test_a_log_is_drawn_as_text(log, cli):

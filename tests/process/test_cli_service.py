@@ -70,20 +70,6 @@ def test_list_names_services_with_types_and_nodes(cli, wait_until):
 
 
 @shared_server
-def test_info_type_find_and_args(cli):
-    info = cli("service", "info", "switch").out.splitlines()
-    assert info[0] == "Node: /server"
-    assert f"Pid: {os.getpid()}" in info
-    assert info[-2:] == ["Type: std_srvs/SetBool", "Args: data"]
-    (record,) = json.loads(cli("service", "info", "/switch", "--json").out)
-    assert (record["args"], record["servers"][0]["pid"]) == (["data"], os.getpid())
-    assert cli("service", "type", "/switch").out == "std_srvs/SetBool\n"
-    assert cli("service", "args", "/switch").out == "data\n"
-    found = cli("service", "find", "std_srvs/srv/Trigger").out.splitlines()
-    assert found == ["/fail", "/server/slow"]
-
-
-@shared_server
 def test_call_repeats_as_often_as_is_said(cli):
     done = cli("service", "call", "-t", "3", "-r", "100", "/switch", "true", "--json")
     rows = [json.loads(line) for line in done.out.splitlines()]

@@ -7,11 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import lcm
 import pytest
 from fixtures.says import assert_says
-
-from lcmtools.types.std_msgs import String
 
 # Prints a line when a message has been sent, so that tests wait for it and not for time.
 PLAIN = """
@@ -128,22 +125,6 @@ def plain_script(pid):
     return Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[1].decode()
 
 
-def test_rows_are_sorted_filtered_and_chosen(start_python, cli, bus_url):
-    start_python(PLAIN, LCM_DEFAULT_URL=bus_url).wait_for("sent")
-
-    def channels(*arguments):
-        done = cli("spy", "--once", "--wait", "300ms", *arguments, env={"LCM_DEFAULT_URL": bus_url})
-        assert done.code == 0, done.err
-        return [line.split()[0] for line in done.out.splitlines()[1:]]
-
-    assert channels() == ["NOISE", "POSE"]
-    assert channels("-r") == ["POSE", "NOISE"]
-    assert channels("--sort", "bandwidth") == ["NOISE", "POSE"]
-    assert channels("--sort", "bandwidth", "-r") == ["POSE", "NOISE"]
-    assert channels("--filter", "vector3") == ["POSE"]
-    assert channels("NO*") == ["NOISE"]
-
-
 def test_lost_messages_are_the_senders(start_python, cli, rows, bus_url, private_network):
     del private_network
     port = bus_url.rpartition(":")[2].partition("?")[0]
@@ -163,34 +144,12 @@ def test_a_large_message_counts_with_all_its_bytes(start_python, rows, bus_url):
     assert noise["bytes"] == 500_000 * noise["messages"] > 0
 
 
-def test_a_log_is_read_at_once(tmp_path, rows):
-    path = tmp_path / "log"
-    log = lcm.EventLog(str(path), "w")
-    message = String()
-    message.data = "x"
-    for number in range(11):
-        log.write_event(1_700_000_000_000_000 + number * 5_000_000, "SLOW", message.encode())
-    log.close()
-    slow = rows(url=f"file://{path}")["SLOW"]
-    assert (slow["messages"], slow["rate"], slow["jitter"]) == (11, pytest.approx(0.2), 0)
-    assert slow["types"] == ["std_msgs/String"]
-    assert (slow["senders"], slow["senders_lost"]) == (["unknown sender"], None)
-
-
 def test_tcpq_tells_neither_sender_nor_loss(tcpq_server, start_python, rows):
     start_python(PLAIN, LCM_DEFAULT_URL=tcpq_server.url).wait_for("sent")
     pose = rows(url=tcpq_server.url)["POSE"]
     assert pose["messages"] > 1
     assert pose["rate"] > 0
     assert (pose["senders"], pose["senders_lost"]) == (["unknown sender"], None)
-
-
-def test_an_empty_bus_is_said_to_be_one(cli, bus_url):
-    done = cli("spy", "--once", "--wait", "1ms", "/a", env={"LCM_DEFAULT_URL": bus_url})
-    assert (done.code, done.out) == (0, "")
-    assert done.err == f"no topics in /a on {bus_url}\n"
-    done = cli("spy", "--json", "--wait", "1ms", env={"LCM_DEFAULT_URL": bus_url})
-    assert done.out == "[]\n"
 
 
 def test_a_topic_that_is_published_only_when_heard_begins_to_come(start_python, rows, bus_url):

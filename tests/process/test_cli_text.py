@@ -4,11 +4,8 @@ import json
 import os
 import subprocess
 
-import lcm
 import pytest
-
-from lcmtools.messages.codec import encode
-from lcmtools.types.std_msgs import String
+from fixtures.build import write_log
 
 TEXT = "Hellö 你 \x1b[2J\u202e"
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
@@ -17,13 +14,7 @@ ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 @pytest.fixture
 def log(tmp_path):
     """A log with one text, on /a."""
-    message = String()
-    message.data = TEXT
-    path = tmp_path / "text.lcmlog"
-    writer = lcm.EventLog(str(path), "w", overwrite=True)
-    writer.write_event(1_000_000, "/a", encode(message))
-    writer.close()
-    return str(path)
+    return write_log(tmp_path / "text.lcmlog", (1, "/a", "std_msgs/String", {"data": TEXT}))
 
 
 @pytest.mark.parametrize(

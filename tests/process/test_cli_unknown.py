@@ -15,6 +15,8 @@ while True:
     bus.handle_timeout(50)
 """
 
+LOADS = "import time; print('on', flush=True); time.sleep(60)"
+
 pytestmark = pytest.mark.usefixtures("private_network")
 
 
@@ -43,3 +45,15 @@ def test_pub_beside_plain_programs_tells_how_to_reach_their_channel(
     said = cli("pub", "-1", *words, "std_msgs/String", "data: x").err
 
     assert ("publishes on /CMD; for the channel CMD of plain LCM" in said) is is_said
+
+
+@pytest.mark.parametrize(("options", "is_said"), [((), True), (("--domain", "9"), False)])
+@pytest.mark.parametrize("command", [("list",), ("node", "list")])
+def test_a_list_names_the_node_that_still_loads(command, options, *, is_said, cli, start):
+    words = ("lcmtools", "run", "sim", *options)
+    program = start(sys.executable, "-c", LOADS, *words)
+    program.wait_for("on")
+
+    said = cli(*command).err
+
+    assert (f"lcmtools run sim (pid {program.pid}) is starting: list again" in said) is is_said

@@ -63,16 +63,46 @@ def _replace(ip):
 
 
 CHANGES = [_plug_in, _plug_in_and_go_away, _lose_everything, _replace]
+_NO_NETLINK = """
+import socket
+
+
+class Socket(socket.socket):
+    def __init__(self, family=-1, *arguments, **named):
+        if family == socket.AF_NETLINK:
+            raise PermissionError(1, "Operation not permitted")
+        super().__init__(family, *arguments, **named)
+
+
+socket.socket = Socket
+"""
+"""A ``sitecustomize`` as of a sandbox."""
+
+
+@pytest.fixture
+def begin(start, lcmtools_path, tmp_path):
+    """Starts a command on a bus, in a Python that begins with some code."""
+
+    def begin(url, python, *words):
+        (tmp_path / "sitecustomize.py").write_text(python)
+        return start(lcmtools_path, *words, LCM_DEFAULT_URL=url, PYTHONPATH=str(tmp_path))
+
+    return begin
 
 
 @pytest.mark.parametrize(
-    ("url", "change"),
-    [*((_URL, change) for change in CHANGES), (f"mp{_URL}", _plug_in)],  # liblcm sends no other way
+    ("url", "change", "python"),
+    [
+        *((_URL, change, "") for change in CHANGES),
+        (f"mp{_URL}", _plug_in, ""),  # liblcm sends no other way
+        (_URL, _replace, _NO_NETLINK),
+        (f"mp{_URL}", _plug_in, _NO_NETLINK),
+    ],
 )
-def test_programs_go_on_hearing_each_other(laptop, start, lcmtools_path, url, change):
-    talker = start(lcmtools_path, *_TALK, LCM_DEFAULT_URL=url)
-    listener = start(lcmtools_path, "run", "listener", LCM_DEFAULT_URL=url)
-    echo = start(lcmtools_path, "echo", "/chatter", LCM_DEFAULT_URL=url)
+def test_programs_go_on_hearing_each_other(laptop, begin, url, change, python):
+    talker = begin(url, python, *_TALK)
+    listener = begin(url, python, "run", "listener")
+    echo = begin(url, python, "echo", "/chatter")
     for program in (listener, echo):
         program.wait_for("hello")
     change(laptop)
@@ -81,6 +111,20 @@ def test_programs_go_on_hearing_each_other(laptop, start, lcmtools_path, url, ch
         for _ in range(5):
             program.wait_for("hello")
     talker.end()
+
+
+def test_programs_that_start_without_a_route_hear_each_other_and_follow_the_network(laptop, begin):
+    _lose_everything(laptop)
+    programs = [begin(_URL, "", *words) for words in (("run", "listener"), ("echo", "/chatter"))]
+    begin(_URL, "", *_TALK)
+    for program in programs:
+        program.wait_for("there is no route to 239.255.76.67")
+        program.wait_for("hello")
+    _connect(laptop, "w0", 600)
+    for program in programs:
+        program.wait_for("now go over w0")
+        for _ in range(5):
+            program.wait_for("hello")
 
 
 def test_a_recorder_counts_what_a_change_has_cost(

@@ -1,18 +1,24 @@
 """A bus that only the programs under test are connected to: a tcpq server without rules of its own.
 
+A process that was not started with its URL is refused.
 It passes nothing on: its user sends each message to the clients that it chooses, and gets what they
 publish, each client's in order, without loss. Must not know logs or processes.
 """
 
 import contextlib
+import os
+import re
 import selectors
 import socket
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from itertools import chain
+from pathlib import Path
 from typing import NamedTuple
 
+from lcmtools.bus.processes import open_files
 from lcmtools.wire import tcpq
-from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
 _READ_BYTES = 1 << 18
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
@@ -24,7 +30,7 @@ class Client:
     def __init__(self, connection: socket.socket, number: int) -> None:
         self.connection, self.number = connection, number
         self.name = ""
-        self.patterns: dict[str, ChannelPattern] = {}
+        self.patterns: dict[str, re.Pattern[str]] = {}
         self.reader = tcpq.FrameReader()
         self._known: dict[str, bool] = {}
         self._unsent = bytearray(tcpq.SERVER_GREETING)
@@ -38,7 +44,7 @@ class Client:
         """Return whether it subscribes to a channel."""
         known = self._known.get(channel)
         if known is None:
-            found = any(pattern.matches(channel) for pattern in self.patterns.values())
+            found = any(pattern.fullmatch(channel) for pattern in self.patterns.values())
             known = self._known[channel] = found
         return known
 
@@ -49,7 +55,7 @@ class Client:
             self.patterns.pop(frame.name, None)
         else:
             with contextlib.suppress(PatternError):  # it receives nothing by that
-                self.patterns[frame.name] = ChannelPattern(frame.name)
+                self.patterns[frame.name] = compile_pattern(frame.name)
 
     def send(self, data: bytes = b"") -> bool:
         """Send as much as the connection accepts; return True if nothing waits.
@@ -69,6 +75,14 @@ class Published(NamedTuple):
     client: Client
     channel: str
     payload: bytes
+
+
+def _texts(*paths: str) -> list[str]:
+    found = [""] * len(paths)
+    for number, path in enumerate(paths):
+        with contextlib.suppress(OSError):  # another system, or the process has ended
+            found[number] = Path(path).read_text(encoding="utf-8", errors="replace")
+    return found
 
 
 class PrivateBus(AbstractContextManager["PrivateBus"]):
@@ -119,7 +133,10 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
 
     def _accept(self) -> None:
         with contextlib.suppress(OSError):
-            connection, _ = self._listener.accept()
+            connection, (_, port) = self._listener.accept()
+            if self._is_stranger(port):
+                connection.close()
+                return
             connection.setblocking(False)  # noqa: FBT003 - the socket module's own
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             client = Client(connection, self.count)
@@ -127,6 +144,21 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
             self.clients.append(client)
             self._selector.register(connection, selectors.EVENT_READ, client)
             self.send(client, b"")
+
+    def _is_stranger(self, port: int) -> bool:
+        """Return whether a port is of a process that was not given the URL.
+
+        One that proc(5) does not show, as in a container, is taken for a program's.
+        """
+        ends = f"{port:04X} 0100007F:{self._listener.getsockname()[1]:04X} "
+        rows = (row for row in _texts("/proc/net/tcp")[0].splitlines() if ends in row)
+        sockets = {f"socket:[{row.split()[9]}]" for row in rows}
+        pids = {pid for pid, target in open_files() if target in sockets} if sockets else set()
+        texts = chain.from_iterable(
+            _texts(f"/proc/{pid}/environ", f"/proc/{pid}/cmdline") for pid in pids
+        )
+        is_given = os.getpid() in pids or any(self.url in text for text in texts)
+        return bool(pids) and not is_given
 
     def _read(self, client: Client) -> Iterator[Published]:
         try:

@@ -191,8 +191,7 @@ class _Rerunner:
                         session.lockstep(self._messages(session.is_input), end)
                 except Stopped as stop:
                     run.trouble = str(stop)
-                if run.trouble or run.errors:
-                    run.last_lines = programs.last_lines()
+                run.last_lines = programs.last_lines()
                 return run
 
     def _messages(self, is_input: Callable[[Played], bool]) -> Iterator[Played]:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from lcmtools.cli.bus import in_names, look, looking_names, open_monitor
+from lcmtools.cli.bus import in_names, look, looking_names, notify_starting, open_monitor
 from lcmtools.cli.declare import (
     accepted_for_ros,
     argument,
@@ -71,6 +71,7 @@ def list_nodes(
     names = Counter(node.name for node in nodes if not (node.stale or node.is_recorded))
     if twice := sorted(name for name, number in names.items() if number > 1):
         write_note(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf shows more")
+    notify_starting(graph, url)
 
 
 @subcommand("machine", all_option, json_option, bus_options)

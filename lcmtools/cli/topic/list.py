@@ -1,6 +1,6 @@
 """``lcmtools list``."""
 
-from lcmtools.cli.bus import looking_pattern, open_monitor
+from lcmtools.cli.bus import looking_pattern, notify_starting, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options_of_list
 from lcmtools.cli.output import write_data, write_result
@@ -54,3 +54,4 @@ def command(
     rows = listed.rows_by_host(topics) if by_hosts else listed.rows(topics)
     none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
     write_result(list(map(listed.record, topics)), rows, as_json=as_json, none=none)
+    notify_starting(graph, url)

@@ -54,7 +54,7 @@ def check(
     results: list[CheckResult] = []
     with contextlib.ExitStack() as owned:
         try:
-            command = owned.enter_context(_built(run))
+            command = owned.enter_context(built(run))
         except LcmtoolsError as error:
             what, hint = "can be built", "; ".join(filter(None, (str(error), slip(str(error)))))
             row = CheckResult(what, "a program", "none", is_ok=False, hint=hint, cause="not-built")
@@ -77,7 +77,7 @@ def check(
 
 
 @contextlib.contextmanager
-def _built(run: Run) -> Iterator[Sequence[str]]:
+def built(run: Run) -> Iterator[Sequence[str]]:
     """Build a source in C++; yield the command line with its program, or as it is."""
     if run.source is None:
         yield run.command

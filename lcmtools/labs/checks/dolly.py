@@ -4,10 +4,11 @@ import math
 import re
 import statistics
 import time
+from collections import deque
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from lcmtools.labs.checks.checked_programs import CheckedProgram
+from lcmtools.bag.log import Log
 from lcmtools.labs.checks.diagnosis import STOPPED, misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
 from lcmtools.labs.checks.observations import Touch, TrueState
@@ -18,6 +19,7 @@ from lcmtools.types.sensor_msgs import LaserScan
 
 _FORWARD, _TURN_RATE, _RATE = 0.5, 0.3, 2.0  # [m/s], [rad/s], [Hz]: as the lab specifies
 _RADIUS = _FORWARD / _TURN_RATE
+_PRINTS = "prints ranges", "ranges of the scan"
 VELOCITY, _SCAN = "/dolly/cmd_vel", "/dolly/laser_scan"
 _FIRST, SOME = 10.0, 8  # [s], commands
 ROUND = 2 * math.pi / _TURN_RATE  # [s] simulated
@@ -139,23 +141,34 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     """Check a program that prints the measurements of the laser, with a robot at rest."""
     scans = bench.recorder.record(LaserScan, _SCAN)
     program = bench.start(command)
-    bench.wait(lambda: _lines(program) > 1 or program.code is not None, _FIRST)
+    bench.wait(lambda: _lines(program.printed()) > 1 or program.code is not None, _FIRST)
     bench.wait(lambda: program.code is not None, _MOMENT)  # several lines may be a crash
-    what, wanted = "prints ranges", "ranges of the scan"
-    if program.code is not None or not _lines(program):
+    if program.code is not None or not _lines(program.printed()):
         hint = f"does it print the messages on {_SCAN}?"
-        yield program.nothing_within(_FIRST, what, wanted, hint)
+        yield program.nothing_within(_FIRST, *_PRINTS, hint)
         return
     if not bench.wait(lambda: scans, 2.0):
         hint = "does the simulator still run?"
-        yield CheckResult(what, wanted, "no scan came", is_ok=False, hint=hint)
+        yield CheckResult(*_PRINTS, "no scan came", is_ok=False, hint=hint)
         return
-    found = ranges_in(program.printed(), scans[-1].ranges)
-    cause = ranges_cause(program.printed(), scans[-1].ranges, found)
+    yield from printed_rows(program.printed(), scans[-1])
+
+
+def printed_rows(printed: str, scan: LaserScan) -> Iterator[CheckResult]:
+    """Yield the rows for what a program prints of a scan."""
+    found = ranges_in(printed, scan.ranges)
+    cause = ranges_cause(printed, scan.ranges, found)
     measured = f"{', '.join(found[:3])} m" if found else "none"
-    is_ok = bool(found) and _lines(program) > 1
-    yield CheckResult(what, wanted, measured, is_ok, cause.text, cause.key)
-    yield from direction_rows(program.printed(), scans[-1])
+    is_ok = bool(found) and _lines(printed) > 1
+    yield CheckResult(*_PRINTS, measured, is_ok, cause.text, cause.key)
+    yield from direction_rows(printed, scan)
+
+
+def last_scan(log: Log) -> LaserScan | None:
+    """Return the last scan of a log, if it has one."""
+    scans = log.messages(_SCAN, on_error=lambda _: None) if _SCAN in log.topics else ()
+    found = deque((arrival.message for arrival in scans), 1)
+    return found[0] if found and isinstance(found[0], LaserScan) else None
 
 
 def direction_rows(printed: str, scan: LaserScan) -> Iterator[CheckResult]:
@@ -214,5 +227,5 @@ def ranges_cause(printed: str, ranges: Sequence[float], found: Sequence[str]) ->
     return Cause("ranges", "print some of scan.ranges with two decimals, repeatedly")
 
 
-def _lines(program: CheckedProgram) -> int:
-    return sum(bool(line.strip()) for line in program.printed().splitlines())
+def _lines(printed: str) -> int:
+    return sum(bool(line.strip()) for line in printed.splitlines())

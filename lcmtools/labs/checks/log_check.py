@@ -20,7 +20,7 @@ from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.labs.checks.step_response import REST, Step, StepRun, is_at_rest, judge
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.nav_msgs import Odometry, Path
+from lcmtools.types.nav_msgs import Odometry
 
 _EVERY = 5  # samples, until a step is looked at again
 _RECENT = 3  # odometry messages, one of which a sample of an evaluator is of
@@ -42,10 +42,15 @@ class NotJudged:
 
 
 Rows = Iterator[CheckResult | NotJudged]
+Judge = Callable[[RecordedRun, LabProgram], Rows]
 
 
-def check_log(lab: Lab, log: Log) -> tuple[list[Report], list[NotJudged]]:
+def check_log(
+    lab: Lab, log: Log, judges: Mapping[str, Judge] | None = None
+) -> tuple[list[Report], list[NotJudged]]:
     """Return the reports of a lab's programs in a log, and the requirements that were not judged.
+
+    ``judges`` are others than those of a recorded run, by the program's option.
 
     Raises:
         LcmtoolsError: The log has no topics of the lab.
@@ -56,7 +61,7 @@ def check_log(lab: Lab, log: Log) -> tuple[list[Report], list[NotJudged]]:
         observed = run.observations(program)
         explanation = Explanation(lambda observed=observed: observed)  # type: ignore[misc]
         results = []
-        judge = _JUDGES.get(program.option, _nothing)
+        judge = (judges or JUDGES).get(program.option, _nothing)
         for row in judge(run, program):
             if isinstance(row, NotJudged):
                 others.append(row)
@@ -195,17 +200,13 @@ def _includes(
 
 
 def _path(run: RecordedRun, program: LabProgram) -> Rows:
-    paths = [
-        message for _, message in run.messages(PATH, Path) if len(message.poses) >= path.LEAST_POSES
-    ]
+    points = run.path()
     commands, motion = run.commands(program), run.motion("ground_truth", "odometry")
-    if not (paths and commands and motion):
-        topics = {PATH: paths, program.publishes[0]: commands, run.name("ground_truth"): motion}
+    if not (points and commands and motion):
+        topics = {PATH: points, program.publishes[0]: commands, run.name("ground_truth"): motion}
         yield _no_message(program, *(name for name, found in topics.items() if not found))
         return
-    drive = path.DrivenPath(
-        [(pose.pose.position.x, pose.pose.position.y) for pose in paths[0].poses]
-    )
+    drive = path.DrivenPath(points)
     for state in motion:
         if state.time >= commands[0].time and not drive.is_over(state.time):
             drive.add(state)
@@ -258,7 +259,7 @@ def _no_message(program: LabProgram, *topics: str) -> NotJudged:
     return NotJudged(program.option, "all of it", f"there are no messages on {names} in the log")
 
 
-_JUDGES: Mapping[str, Callable[[RecordedRun, LabProgram], Rows]] = {
+JUDGES: Mapping[str, Judge] = {
     "controller": _controller,
     "evaluator": _evaluator,
     "path": _path,

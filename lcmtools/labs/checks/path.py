@@ -20,7 +20,7 @@ _FIRST = 10.0  # [s]
 _FARTHEST, _MEAN = 0.25, 0.10  # [m] from the path
 _LOST = 1.0  # [m]; farther away, the robot does not follow the path
 _PATIENCE, _PROGRESS = 8.0, 0.3  # [s] simulated, and the progress in it [m]
-_EACH = 0.8  # commands for each pose of the robot
+EACH = 0.8  # commands for each pose of the robot
 _MOST = 0.95  # of the path: its end may be where a student's robot stops
 _AHEAD, _BEHIND = 1.0, 0.3  # [m] along the path in which the robot is searched, from where it was
 _STOPPING = 3.0  # [s] simulated, in which a robot stops at the end
@@ -147,7 +147,7 @@ def _driven(bench: TestBench, drive: DrivenPath) -> list[CheckResult]:
     if all(row.is_ok for row in rows) and program.code is None:
         return rows + rest
     # commands that come seldom may do so because a callback waits
-    is_seldom = len(seen.commands) <= _EACH * len(drive.offsets)
+    is_seldom = len(seen.commands) <= EACH * len(drive.offsets)
     is_unclear = is_seldom and not any(row.cause == ANGLE for row in rows)
     return [replace(row, cause=SELDOM) if is_unclear else row for row in rows]
 

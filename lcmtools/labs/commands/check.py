@@ -51,6 +51,7 @@ def _check_extra(*, simulates: bool) -> None:
     'lab check husky --controller "python mine.py" --plot mine.png',
     "lab check dolly --programs class/ --junit results.xml",
     "lab check husky --bag drive.lcmlog",
+    "lab check husky my_controller.py --bag drive.lcmlog",
 )
 @argument("name", completer="lcmtools.labs.commands.completion:labs")
 @argument("files", metavar="[FILE]...", nargs=-1, completer="files")
@@ -66,7 +67,14 @@ def _check_extra(*, simulates: bool) -> None:
 @option("--rate", type=rate, help="Multiple of real time (else 4, and 1 to confirm failures).")
 @option("--time-limit", type=duration, help="Limit of real time for each program, once built.")
 @option("--plot", type=_FILE, help="Draw velocities and the path: .png, .svg, .pdf.")
-@option("-b", "--bag", "log", metavar="FILE", help="Judge a recorded run.", completer="files")
+@option(
+    "-b",
+    "--bag",
+    "log",
+    metavar="FILE",
+    help="Judge programs by a recorded drive, or the drive itself.",
+    completer="files",
+)
 @option("--junit", type=_FILE, help="Write the results as JUnit's XML.")
 def command(
     name: str,
@@ -94,8 +102,10 @@ def command(
     are found by name (simple_controller.py or .cpp), or run by COMMAND with {program} in it. As
     many are checked at a time as there are processors, or as many as --jobs gives.
 
-    With --bag no program is run: the messages of a log are judged in the same way, as far as the
-    lab needs them; checks that are not possible are listed.
+    With --bag nothing is simulated. Programs that are given are run with the messages of a log, as
+    by lcmtools bag rerun, and what they say to them is judged: a class within seconds, on one drive
+    of its teacher. Without programs, those that were recorded are judged. Checks that are not
+    possible are listed.
     """
     _check_extra(simulates=not log)
     with needing_extra("sim", "lab check needs"):
@@ -110,13 +120,15 @@ def command(
         raise UsageError("--jobs is for --programs FOLDER", "leave it out")
     if folder and files:
         raise UsageError("--programs FOLDER checks the files in it", f"leave out {files[0]}")
-    if log and (chosen or files or folder or rate or time_limit or plot):
-        raise UsageError("--bag runs no program", "leave out the programs and how they are run")
+    if log and (rate or time_limit or plot):
+        raise UsageError("--bag simulates nothing", "leave out --rate, --time-limit and --plot")
     picture = checking.picture_file(plot)
-    if log:
-        outcome = checking.check_recorded(lab, log, show)
+    if log and not folder:
+        runs = choose(lab, chosen, files)[0] if chosen or files else ()
+        outcome = checking.check_recorded(lab, log, runs, show)
     elif folder:
-        checker = checking.class_checker(lab, chosen, rate, time_limit, picture, jobs)
+        arguments = checking.class_arguments(rate, time_limit, log)
+        checker = checking.class_checker(lab, chosen, arguments, picture, jobs)
         outcome = checking.check_class(lab, checker, folder, show)
     else:
         outcome = checking.check_one(

@@ -19,6 +19,7 @@ from lcmtools.labs.checks.choice import Run
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
 from lcmtools.labs.checks.plot import draw_check
+from lcmtools.labs.checks.rerun_check import check_rerun
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
@@ -103,29 +104,41 @@ def _announced(runs: Sequence[Run]) -> str:
     return f"compiles {sources} ({_COMPILING}), and {text}" if sources else text
 
 
-def check_recorded(lab: Lab, path: str, show: Show) -> Outcome:
-    """Check a recorded run, and show its rows and the requirements that were not judged."""
-    with Log(path) as log:
-        reports, others = check_log(lab, log)
+def check_recorded(lab: Lab, path: str, runs: Sequence[Run], show: Show) -> Outcome:
+    """Check programs that are run with a recorded drive; without any, the recorded run itself.
+
+    Its rows and the requirements that were not judged are shown.
+    """
+    if runs:
+        found = [check_rerun(lab, run, path) for run in runs]
+        reports, others = [one for one, _ in found], [other for _, some in found for other in some]
+    else:
+        with Log(path) as log:
+            reports, others = check_log(lab, log)
     for report in reports:
         rows = [row for result in report.results for row in check_report.rows(result)]
-        show([*heading(report.program, report.command, is_log=True), *rows])
+        show([*heading(report.program, report.command, is_log=not runs), *rows])
     show(["", "not judged:", *(f"  {requirement}" for requirement in others), ""] if others else [])
     extra = {"bag": path, "not_judged": list(map(asdict, others))}
     return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
 
 
+def class_arguments(rate: float | None, time_limit: float | None, log: str | None) -> list[str]:
+    """Return the arguments of the check of each program of a class."""
+    if log:
+        return ["--bag", str(Path(log).absolute())]
+    arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
+    return arguments + ([f"--rate={rate:g}"] if rate else [])
+
+
 def class_checker(
     lab: Lab,
     programs: Mapping[str, str],
-    rate: float | None,
-    time_limit: float | None,
+    arguments: Sequence[str],
     plot: Path | None,
     jobs: int | None,
 ) -> ClassCheck:
     """Return the check of a class: ``jobs`` programs at a time, or one for each processor."""
-    arguments = ["--time-limit", f"{time_limit or _CLASS_LIMIT:g}"]
-    arguments += ["--rate", f"{rate:g}"] if rate else []
     return ClassCheck(lab, programs, arguments, plot, jobs or os.cpu_count() or 1)
 
 

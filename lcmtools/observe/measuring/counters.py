@@ -83,12 +83,14 @@ def callback_times(endpoint: Endpoint) -> str:
 
 
 def callback_record(endpoint: Endpoint) -> dict[str, object]:
-    """Return the same for JSON, in nanoseconds."""
-    return {
+    """Return the same for JSON, in nanoseconds; None where its program does not count."""
+    calls = {
         "callbacks": endpoint.calls,
         "callback_time": endpoint.busy,
         "longest_callback": endpoint.longest,
     }
+    is_known = endpoint.is_counted or endpoint.role in (Role.SERVICE, Role.CLIENT)
+    return {name: number if is_known else None for name, number in calls.items()}
 
 
 UNCOUNTED = "messages: not known (its program does not count them)"

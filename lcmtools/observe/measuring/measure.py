@@ -331,22 +331,30 @@ class Measurement(Generic[ItemT, FoundT]):
         condition = self._options.condition
         return f"came on {', '.join(self._topics)}{f', with {condition},' if condition else ''}"
 
+    @property
+    def _with_condition(self) -> str:
+        return f" with {self._options.condition}" if self._options.condition else ""
+
     def _notify_silent(self) -> None:
         """Say on which topics nothing has come, and which topic was probably meant."""
-        condition = f" with {self._options.condition}" if self._options.condition else ""
         for topic in self._silent:
-            self._notify(f"no message on {topic}{condition} yet; {self._stream.situation(topic)}")
+            situation = self._stream.situation(topic)
+            self._notify(f"no message on {topic}{self._with_condition} yet; {situation}")
 
     def _notify_missing(self) -> None:
         """Say the same for a log, and whether its times make the measurement useless."""
         if len(self._silent) == len(self._topics):
-            topics = ", ".join(self._topics)
-            hint = self._stream.near(self._topics[0])
-            raise LcmtoolsError(f"the log has no message on {topics}", hint)
+            raise self._missing(self._topics)
         if self._goes_back:
             self._notify("the times of the log go back; lcmtools bag sort sorts them")
         for topic in self._silent:
-            self._notify(f"the log has no message on {topic}; {self._stream.near(topic)}")
+            self._notify(str(self._missing([topic])))
+
+    def _missing(self, topics: Sequence[str]) -> LcmtoolsError:
+        unheard = [topic for topic in topics if topic in self._stream.silent()]
+        hint = self._stream.near(unheard[0]) if unheard else ""
+        said = f"the log has no message on {', '.join(topics)}{self._with_condition}"
+        return LcmtoolsError(said, hint)
 
 
 def _clock() -> tuple[float, float]:

@@ -77,7 +77,7 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
             for one in _peers(node, graph)
         ],
         "up_time": None if node.stale else up_time(node, now),
-        "callback_time": node.busy if node.has_details else None,
+        "callback_time": node.busy if node.is_counted else None,
         "overflows": node.overflows if node.has_details else None,
         "callback_errors": [error._asdict() for error in reversed(node.errors)],
         "protocol_version": node.version,
@@ -98,8 +98,8 @@ def _process(node: Node, now: int) -> list[str]:
         rows += usage_rows(node.pid, now) if is_here(node) else []
         seconds = up_time(node, now)
         rows.append(f"Up for: {seconds:.0f} s")
-        if node.has_details:
-            rows.append(f"In callbacks: {percent(node.busy / 1e9, seconds)} of that time")
+        share = f"{percent(node.busy / 1e9, seconds)} of that time"
+        rows.append(f"In callbacks: {share if node.is_counted else 'not known'}")
     if node.overflows:
         rows.append(f"Receive buffer: lost at most {plural(node.overflows, 'datagram')}")
     rows += _version(node)

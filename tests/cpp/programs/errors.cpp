@@ -1,12 +1,14 @@
 // Makes one Error of the headers in one place: errors CASE early|main|constructor|thread|timer
 #include <lcmtools/node.hpp>
 
+#include <std_msgs/Float64MultiArray.hpp>
 #include <std_msgs/String.hpp>
 #include <std_srvs/SetBool_Request.hpp>
 #include <std_srvs/SetBool_Response.hpp>
 
 using namespace std::chrono_literals;
 using lcmtools::Node;
+using std_msgs::Float64MultiArray;
 using std_msgs::String;
 using std_srvs::SetBool_Request;
 using std_srvs::SetBool_Response;
@@ -30,6 +32,16 @@ static const std::map<std::string, void (*)(Node&)> cases = {
     {"node", [](Node&) { Node other("a b"); }},
     {"init", [](Node&) { lcmtools::init(0, nullptr); }},
     {"nobody", [](Node& n) { n.create_client<SetBool_Request, SetBool_Response>("nobody")->call({}, 100ms); }},
+    {"length", [](Node& n) {
+       Float64MultiArray array{};
+       array.data = {1.0, 1.0};
+       n.create_publisher<Float64MultiArray>("array")->publish(array);
+     }},
+    {"nested", [](Node& n) {
+       Float64MultiArray array{};
+       array.layout.dim_length = 3;
+       n.create_publisher<Float64MultiArray>("array")->publish(array);
+     }},
     {"idle", [](Node& n) {
        n.create_service<SetBool_Request, SetBool_Response>("own", [](auto&, auto&) {});
        n.create_client<SetBool_Request, SetBool_Response>("own")->call({}, 100ms);

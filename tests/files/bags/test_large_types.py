@@ -57,7 +57,8 @@ def test_large_arrays_of_numbers_are_imported(cli, tmp_path):
 def own_class(tmp_path, text):
     (tmp_path / "T.lcm").write_text(text)
     environment = {"LCMTOOLS_TYPE_PATH": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
-    return Registry([], UserTypes(environment, [], {})).message_class("T")
+    types = UserTypes(environment, [], {})
+    return Registry([], lambda: types).message_class("T")
 
 
 def test_such_a_type_is_not_exported(tmp_path):

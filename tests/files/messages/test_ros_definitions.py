@@ -38,7 +38,7 @@ def folder(tmp_path):
 def registry(folder):
     environment = {"LCMTOOLS_TYPE_PATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
     types = UserTypes(environment, [], FINGERPRINTS)
-    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
+    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], lambda: types)
 
 
 def test_types_with_headers_and_times_can_be_used_beside_ros_own_std_msgs(folder):

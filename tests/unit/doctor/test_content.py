@@ -5,17 +5,18 @@ import math
 import pytest
 
 from lcmtools.doctor.content import _field, oddities
-from lcmtools.doctor.evidence import LogLine
+from lcmtools.doctor.evidence import FrameParent, LogLine
 from lcmtools.doctor.listening import Listening
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import Field
 from lcmtools.messages.message_time import MessageTime
 from lcmtools.messages.registry import message_class, type_names
-from lcmtools.types.geometry_msgs import PoseStamped, Twist
+from lcmtools.types.geometry_msgs import PoseStamped, TransformStamped, Twist
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.sensor_msgs import Imu, JointState, LaserScan, NavSatFix
 from lcmtools.types.std_msgs import String
+from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.wire.packet import Packet, Sender
 
 ALICE, BOB, CAROL, ERIN = (Sender("127.0.0.1", port) for port in range(4000, 4004))
@@ -239,3 +240,21 @@ def test_a_small_covariance_is_compared_by_its_own_size():
     assert "angular_velocity_covariance is not symmetric: [3] and [1] are 0 and 1e-08" in odd[1]
     message.angular_velocity_covariance[3] = 1e-8
     assert list(oddities(message)) == []
+
+
+@pytest.mark.parametrize(("speed", "turn", "count"), [(0.5, 0, 1), (0, -0.3, 1), (0.01, 0.01, 0)])
+def test_odometry_tells_that_a_robot_drives(speed, turn, count):
+    message = Odometry()
+    message.twist.twist.linear.y, message.twist.twist.angular.z = speed, turn
+    assert len([kind for kind, _ in oddities(message) if kind == "drives"]) == count
+
+
+def test_frames_of_transforms_are_taken_once_each_without_slashes():
+    listening = Listening(lambda _: ())
+    for sender, parent, child in ((ALICE, "map", "/odom"), (BOB, "map", "odom")):
+        transform = TransformStamped()
+        transform.header.frame_id, transform.child_frame_id = parent, child
+        transform.transform.rotation.w = 1.0
+        message = TFMessage(transforms=[transform])
+        listening.add_packet(Packet("/a/tf", encode(message), NOW, sender))
+    assert listening.frames(str) == (FrameParent("/a", "odom", "map", str(ALICE)),)

@@ -63,7 +63,7 @@ PART = "package b; struct Part { int16_t x; }"
 
 
 def registry(types):
-    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
+    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], lambda: types)
 
 
 def problems(types):

@@ -21,7 +21,7 @@ STAT = "package lab;\nstruct Stat\n{\n  int32_t samples;\n  geometry_msgs.Twist 
 
 
 def registry(types):
-    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types)
+    return Registry([TypeSource("lcmtools.types", FINGERPRINTS)], lambda: types)
 
 
 def near(types):
@@ -70,7 +70,7 @@ def test_fingerprint_leads_to_the_type(write, types_of):
 def test_own_type_counts_and_the_shipped_one_is_found_by_its_fingerprint(write, types_of):
     said = []
     types = types_of(write({"s.lcm": "package std_msgs;\nstruct String { string text; }\n"}))
-    known = Registry([TypeSource("lcmtools.types", FINGERPRINTS)], types, said.append)
+    known = Registry([TypeSource("lcmtools.types", FINGERPRINTS)], lambda: types, said.append)
     own = known.message_class("std_msgs/String")
     assert own.__slots__ == ["text"]
     number = FINGERPRINTS["std_msgs/String"]
