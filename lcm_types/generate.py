@@ -82,7 +82,27 @@ def run_companions(folder: Path) -> None:
 
 def as_value_file(path: Path, content: bytes) -> bytes:
     """Return a file's content; a message class is derived from ``lcmtools.message_value``."""
-    return as_values(content.decode()).encode() if path.suffix == ".py" else content
+    if path.suffix != ".py":
+        return content
+    is_package = path.name == "__init__.py" and path.parent.name
+    text = content.decode()
+    return (as_lazy_package(text) if is_package else as_values(text)).encode()
+
+
+def as_lazy_package(text: str) -> str:
+    """Return the ``__init__.py`` of a package that imports a type when it is first used.
+
+    Type checkers see the imports that lcm-gen wrote.
+    """
+    head, sign, imports = text.partition("from .")
+    rows = f"{sign}{imports}".splitlines()
+    names = [row.split()[-1] for row in rows]
+    return (
+        f"{head}import sys\n\nfrom lcmtools.message_value import LazyPackage\n\n"
+        "TYPE_CHECKING = False\nif TYPE_CHECKING:\n"
+        f"{''.join(f'    {row}{chr(10)}' for row in rows)}"
+        f"\n__all__ = {names!r}\nsys.modules[__name__].__class__ = LazyPackage\n"
+    )
 
 
 def read_files(folder: Path) -> Files:

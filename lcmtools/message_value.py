@@ -9,7 +9,9 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
+from importlib import import_module
 from reprlib import recursive_repr
+from types import ModuleType
 from typing import TYPE_CHECKING, BinaryIO, ClassVar, NamedTuple, Protocol, TypeGuard
 
 _MOST_ELEMENTS = 8
@@ -262,3 +264,26 @@ def _array_text(value: object) -> str:
     tolist = getattr(some, "tolist", None)
     texts = [_text(one) for one in (tolist() if tolist else some)]
     return f"[{', '.join([*texts, f'... {more} more'] if more > 0 else texts)}]"
+
+
+class LazyPackage(ModuleType):
+    """A package whose ``__all__`` are types, each in a module of its name, imported when needed.
+
+    As in packages of lcm-gen, the name in the package is the type, and not its module.
+    """
+
+    def __getattr__(self, name: str) -> object:
+        """Import a type."""
+        if name not in self.__dict__.get("__all__", ()):
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        import_module(f"{self.__name__}.{name}")
+        return self.__dict__[name]
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set the type where Python sets the imported module."""
+        is_module = isinstance(value, ModuleType) and name in self.__dict__.get("__all__", ())
+        super().__setattr__(name, getattr(value, name) if is_module else value)
+
+    def __dir__(self) -> list[str]:
+        """Return all types, also those that are not imported yet."""
+        return sorted({*self.__dict__, *self.__dict__.get("__all__", ())})

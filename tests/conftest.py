@@ -21,6 +21,10 @@ from fixtures.command import call
 from fixtures.nodes import LiveNode
 from fixtures.programs import Program, Stopwatch
 
+from lcmtools.bus.multicast import check_multicast
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError
+
 COMMAND = str(Path(sysconfig.get_path("scripts")) / "lcmtools")
 _INHERITED = (
     *("LCM_DEFAULT_URL", "LCM_DBG", "NO_COLOR", "FORCE_COLOR", "CLICOLOR_FORCE"),
@@ -51,6 +55,8 @@ _SECONDS = {
 }
 """About how long a test takes, by its folder; of others it is no matter."""
 _ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
+_OWN_NETWORKS = {"bare_network", "private_network", "network", "pair", "module_pair"}
+"""Fixtures that make networks of a test's own, as only root can."""
 
 
 def pytest_configure(config):
@@ -80,12 +86,16 @@ def _go_on(number, frame):
     """Ignore a signal in such a way that no child inherits it."""
 
 
+@pytest.hookimpl(tryfirst=True)  # before -m chooses by the marks
 def pytest_collection_modifyitems(items):
     """Order tests for workers that each begin with an equal part (pytest --dist worksteal).
 
     In every part the long ones come first, so that no worker is alone with them in the end. Files
     stay together, for their tests may share what they start.
     """
+    for item in items:
+        if _OWN_NETWORKS & set(getattr(item, "fixturenames", ())):
+            item.add_marker("root")
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     parts = [[] for _ in range(workers)]
     seconds = [0.0] * workers
@@ -102,6 +112,12 @@ def pytest_collection_modifyitems(items):
         part.extend(short[:room])
         del short[:room]
     items[:] = [item for part in (*parts, short) for item in part]
+
+
+def pytest_runtest_setup(item):
+    """Skip what only root can do, in one sentence for all."""
+    if item.get_closest_marker("root") and os.getuid() != 0:
+        pytest.skip("only root can do that; .ci/run as root does it")
 
 
 def _folder(item):
@@ -150,9 +166,28 @@ def free_port():
         lock.close()
 
 
+@pytest.fixture(scope="session")
+def _no_multicast():
+    """The sentence that the product says where multicast does not work, else "".
+
+    It is looked at before a test may go into a network of its own, where it is another matter.
+    """
+    try:
+        check_multicast(parse_url("udpm://239.255.76.67:7667?ttl=0"))
+    except BusError as error:
+        return str(error)
+    return ""
+
+
+def _require_multicast(sentence, request):
+    if sentence and not _OWN_NETWORKS & set(request.fixturenames):
+        pytest.skip(sentence)
+
+
 @pytest.fixture
-def bus_url(free_port):
+def bus_url(free_port, _no_multicast, request):
     """A multicast bus that belongs to this test alone and stays on this computer."""
+    _require_multicast(_no_multicast, request)
     return f"udpm://239.255.76.67:{free_port()}?ttl=0"
 
 
@@ -311,8 +346,9 @@ def lcm_program():
 
 
 @pytest.fixture(scope="module")
-def module_bus_url():
+def module_bus_url(_no_multicast, request):
     """A bus that the tests of a module share."""
+    _require_multicast(_no_multicast, request)
     with networks.reserve_port() as lock:
         yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
 

@@ -2,8 +2,8 @@
 
 import contextlib
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Protocol
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
@@ -20,32 +20,38 @@ Handler = Callable[[bytes, int], None]
 by ``Bus.wait`` of a bus that ``runs_callbacks``."""
 
 
-class Bus(Protocol):
+Shortcut = Callable[[bytes], bool]
+"""Sends a payload; returns False if ``Bus.publish`` must do it. Raises OSError."""
+
+
+class Bus(ABC):
     """A connection to a bus."""
 
-    on_outage: Callable[[str], None]
-    """Called when the connection is lost or restored, or a thread of the bus outlives a fault."""
+    runs_callbacks = False
+    """True if handlers that ``wait`` calls may take their time: another thread takes over."""
+    overflows = 0
+    """The most datagrams that a full receive buffer can have lost; 0 if it is unknown."""
 
-    on_received: Callable[[], None]
-    """Called after handlers have run, unless on the only thread that calls ``wait``."""
-
-    @property
-    def ports(self) -> list[int]:
+    def __init__(self) -> None:
+        self.ports: list[int] = []
         """The UDP ports that messages are sent from."""
+        self.on_outage: Callable[[str], None] = lambda _: None
+        """Called when the connection is lost or restored, or a thread outlives a fault."""
+        self.on_received: Callable[[], None] = lambda: None
+        """Called after handlers have run, unless on the only thread that calls ``wait``."""
 
-    @property
-    def overflows(self) -> int:
-        """The most datagrams that a full receive buffer can have lost; 0 if it is unknown."""
-
-    def lost(self, channel: str) -> int:
+    def lost(self, _channel: str) -> int:
         """Return the number of messages on a channel that are known to have been lost."""
+        return 0
 
     def unsent(self) -> tuple[str, Mapping[str, int]]:
         """Return the address at the other end of a line that is full, "" if none is known.
 
         Also the number of messages of each channel that were never sent because of such lines.
         """
+        return "", {}
 
+    @abstractmethod
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
     ) -> None:
@@ -67,19 +73,28 @@ class Bus(Protocol):
 
         Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
+        return range(len(messages))
 
-    def keep_order(self) -> None:
+    def shortcut(self, _channel: str) -> Shortcut:
+        """Return the shortest way to publish on a channel."""
+        return lambda _: False
+
+    def keep_order(self) -> None:  # noqa: B027 - most keep it anyway
         """Send messages in the order of ``publish`` from now on, also behind large ones."""
 
+    @abstractmethod
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler``, on the receiving thread, for each message on the channel.
 
         ``is_large`` means that messages of over 100 kB are to be expected from the first one on.
+        Raises BusError and InvalidName as ``publish``.
         """
 
+    @abstractmethod
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
 
+    @abstractmethod
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Wait at most ``timeout`` seconds for an event or messages; clear the event.
 
@@ -87,32 +102,16 @@ class Bus(Protocol):
         Returns now and then although nothing has come.
         """
 
-    def hand_over(self) -> None:
+    def hand_over(self) -> None:  # noqa: B027
         """Receive without the threads that called ``wait``, because they will be busy for long."""
 
+    @abstractmethod
     def close(self) -> None:
         """Send waiting messages and leave the bus."""
 
+    @abstractmethod
     def leave_to_parent(self) -> None:
         """Refuse all use in a forked process, which has no receiving thread; free nothing."""
-
-
-Shortcut = Callable[[bytes], bool]
-"""Sends a payload; returns False if ``Bus.publish`` must do it. Raises OSError."""
-
-
-def runs_callbacks(bus: Bus) -> bool:
-    """Return whether handlers that ``wait`` calls may take their time: another thread takes over.
-
-    Few kinds of bus can.
-    """
-    return bool(getattr(bus, "runs_callbacks", False))
-
-
-def shortcut(bus: Bus, channel: str) -> Shortcut:
-    """Return the shortest way to publish on a channel, if the kind of bus has one."""
-    make = getattr(bus, "shortcut", None)
-    return make(channel) if make else lambda _: False
 
 
 def start_thread(run: Callable[[], None], name: str) -> threading.Thread:

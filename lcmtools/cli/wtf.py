@@ -35,7 +35,7 @@ from lcmtools.doctor.rules import RULES, examine
 from lcmtools.folders import is_standard_output
 from lcmtools.formats.strict_json import write_json
 
-_FILE = click.Path(dir_okay=False, path_type=Path)
+_FILE = click.Path(dir_okay=False, readable=False, path_type=Path)
 
 
 @subcommand("wtf", json_option, bus_options, bag_option, part_options(), cls=JudgingCommand)

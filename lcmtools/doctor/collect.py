@@ -5,10 +5,10 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import cast
 
 from lcmtools.bus import kernel
 from lcmtools.bus.listeners import listening_sockets
+from lcmtools.bus.multicast import check_route
 from lcmtools.bus.processes import Process, buffer_overflows, is_local, process_of, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
@@ -34,7 +34,6 @@ from lcmtools.observe.actuators import unattended_commands
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SocketTable, is_gone, is_here, user_name
 from lcmtools.observe.simulators import publishes_time
-from lcmtools.wire.packet import Sender
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
 _MOST_LATE = 200  # nodes that have not answered; more are made up by a stranger
@@ -64,6 +63,8 @@ def collect(
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
     failures, filtered = computer.reassembly_failures(), computer.rp_filter_drops()
     try:
+        if url.is_multicast:
+            check_route(url)  # lcmtools' programs would go on without one, others cannot
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
             evidence = _observe(monitor, evidence, listen, memory or Memory(), in_doubt)
     except BusError as error:
@@ -164,7 +165,7 @@ def _gather(
         malformed=names.malformed(monitor),
         own_drops=(monitor.tap.drops() if monitor.tap else None) or 0,
         senders=_senders(monitor, names),
-        streams=tuple(_named(one, names) for one in listening.streams()),
+        streams=tuple(_named(one, names, baseline.table) for one in listening.streams()),
         listeners=tuple(
             replace(one, state="") if one.pid in running else one
             for one in _listeners(baseline, still_on_bus, names, overflows, monitor.url.host)
@@ -271,11 +272,14 @@ def _age(process: Process | None) -> float:
     return max(0.0, (time.time_ns() - usage.start_time) / 1e9) if usage else 0.0
 
 
-def _named(stream: Stream, names: lcm_processes.ProgramNames) -> Stream:
-    sender, table = stream.sender, names.table
-    is_here = sender and table.rows and is_local(sender.address)
-    has_ended = bool(is_here) and not table.sockets(cast("Sender", sender))
-    return replace(stream, name=names.name(sender), pid=names.pid(stream), has_ended=has_ended)
+def _named(stream: Stream, names: lcm_processes.ProgramNames, earlier: SocketTable) -> Stream:
+    sender, name = stream.sender, names.name(stream.sender)
+    is_here = sender and names.table.rows and is_local(sender.address)
+    if not (sender and is_here) or names.table.sockets(sender):
+        return replace(stream, name=name, pid=names.pid(stream))
+    process = earlier.processes(sender).only  # it has ended meanwhile
+    name = names.of_process(process) if process and name == str(sender) else name
+    return replace(stream, name=name, pid=names.pid(stream), has_ended=True)
 
 
 def _clocks(graph: Graph) -> tuple[HostClock, ...]:

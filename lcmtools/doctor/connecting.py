@@ -1,30 +1,34 @@
-"""Unconnected publications and subscriptions, and remedies that connect them.
+"""Unconnected publications and subscriptions, and the publication that each may have meant.
 
-Pure: the graph in, remedies out. A remedy changes one argument of one node.
+Pure: the graph in, remedies out. A remedy changes one argument of one node. A new kind of mistake
+is a row of ``_ROWS``.
 """
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, islice
+from typing import NamedTuple
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
-    PLAIN_CHANNEL,
     REMAPS,
-    NearNames,
+    comparable,
     expanded,
     give_reason,
+    inside,
     is_legal,
     is_plain,
+    near_names,
     publish_on,
     remap_argument,
+    remove_slash,
     start_with,
     unapplied_remap,
 )
 from lcmtools.graph.command_line import program_words
 from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Topic, Traffic
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 from lcmtools.observe.reports.describe import seen_kinds
 from lcmtools.observe.simulators import is_simulator
@@ -32,7 +36,8 @@ from lcmtools.packages.runnable_nodes import fixed_nodes
 
 CONNECTIONS = {
     **REMAPS,
-    **PLAIN_CHANNEL,
+    "plain-channel": "in {node}, subscribe to {channel} with plain_channel=True,"
+    " in C++ to plain_channel({channel})",
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
 }
 """The sentences of remedies that connect a subscription."""
@@ -104,8 +109,98 @@ def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoi
             groups.add(end.group)
 
 
-def _fit(one: Endpoint, other: Endpoint) -> bool:
-    return not set(one.fingerprints).isdisjoint(other.fingerprints)
+class _Publication(NamedTuple):
+    topic: str
+    node: Node  # ``_NO_NODE`` for a plain LCM program
+    sender: Subject  # the node, or the program
+    fingerprints: tuple[int, ...]
+    types: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidate:
+    """A publication that a subscription may have meant, and what speaks for it."""
+
+    node: Node  # that subscribes
+    wanted: str  # its topic
+    expected: str  # its type
+    topic: str  # that is published
+    publisher: Node  # ``_NO_NODE`` for a plain LCM program
+    sender: Subject  # the publisher, or the program
+    types: tuple[str, ...]
+    fits: bool  # both have the same type
+    differs: bool  # both have a type, and not the same
+    is_same_base: bool
+    is_near: bool
+    is_misplaced: bool  # the subscriber's namespace is the reason why they are not connected
+    is_in_vain: bool  # the publication has no subscriber
+    is_spare: bool  # a node's output of the type and namespace, which may lack a subscriber
+    of_simulator: bool
+    for_simulator: bool
+
+    @property
+    def is_meant(self) -> bool:
+        """True for a similar name, and for the same one elsewhere that nobody subscribes to."""
+        is_twin = self.is_same_base and self.fits and self.is_in_vain
+        return is_twin or (self.is_near and not self.differs)
+
+    @property
+    def is_of_node(self) -> bool:
+        return self.publisher is not _NO_NODE
+
+    def is_slip(self) -> bool:
+        """Return whether the published topic has the wrong name, and not the subscription."""
+        is_free = self.is_of_node and not (self.of_simulator and not self.for_simulator)
+        if not (is_free and self.is_in_vain and is_legal(self.topic)):
+            return False
+        is_elsewhere = namespace_of(self.node.name) != namespace_of(self.wanted)
+        if self.is_same_base and self.fits:
+            return True
+        if remap_argument(self.publisher, self.topic) or remap_argument(self.node, self.wanted):
+            return bool(remap_argument(self.publisher, self.topic))
+        return self.publisher.tool or is_elsewhere
+
+    def is_before_remap(self) -> bool:
+        """Return whether the subscriber would be connected but for a remap."""
+        source, sign, _ = remap_argument(self.node, self.wanted).partition(":=")
+        return bool(sign) and expanded(source, self.node) == self.topic
+
+    def is_of_own_code(self) -> bool:
+        """Return whether somebody edits the subscriber's code, and may name a plain channel."""
+        words = program_words(self.node.command)
+        is_fixed = words[:2] == ["lcmtools", "run"] and not fixed_nodes().isdisjoint(words[2:])
+        return not (self.for_simulator or is_fixed)
+
+    def published(self, remedy: Statement, **parts: Part) -> Statement:
+        known = parts if self.is_of_node else {"by": self.sender, **parts}
+        return give_reason(remedy, "published", channel=self.topic, **known)
+
+    def publishes(self, remedy: Statement) -> Statement:
+        return give_reason(remedy, "publishes", channel=self.topic, publisher=self.sender)
+
+    def take_it(self) -> Statement:
+        return start_with(self.node, self.wanted, self.topic)
+
+    def connect(self) -> Statement:
+        """Return the remedy for two names that have only their type and namespace in common.
+
+        The one that comes from a remap is the wrong one.
+        """
+        arguments = (
+            remap_argument(self.node, self.wanted),
+            remap_argument(self.publisher, self.topic),
+        )
+        if self.of_simulator or (arguments[0] and not arguments[1]):
+            remedy = start_with(self.node, self.wanted, _as_seen_by(self.node, self.topic))
+        else:
+            target = _as_seen_by(self.publisher, self.wanted)
+            remedy = publish_on(self.publisher, self.topic, target)
+        reason = "same-type" if self.of_simulator else "no-subscriber"
+        return give_reason(remedy, reason, channel=self.topic)
+
+    def change_type(self) -> Statement:
+        types = {"type": self.types[0], "topic": self.topic, "expected": self.expected}
+        return state("change-type", publisher=self.sender, node=self.node, **types)
 
 
 def _as_seen_by(node: Node, topic: str) -> str:
@@ -114,31 +209,72 @@ def _as_seen_by(node: Node, topic: str) -> str:
     return base_name_of(topic) if own == namespace_of(topic) else topic
 
 
-def _sent(topic: Topic) -> set[int]:
-    """Return the fingerprints that are announced or sent on a topic."""
-    return {f for _, e in topic.publishers for f in e.fingerprints} | set(topic.fingerprints)
+_NO_NODE = Node("", "", "", 0)
 
 
-def _by(key: Callable[[str], str], ends: Iterable[End]) -> dict[str, list[End]]:
-    """Group endpoints by a part of their topics' names."""
-    found: dict[str, list[End]] = defaultdict(list)
-    for node, endpoint in ends:
-        found[key(endpoint.topic)].append((node, endpoint))
-    return found
+def _would_be_applied(c: _Candidate) -> bool:
+    return c.fits and c.topic == unapplied_remap(c.node, c.wanted)[1]
 
 
-def _by_unapplied_remap(ends: Iterable[End]) -> dict[str, list[End]]:
-    """Group endpoints by the topic to which a remap would lead them, but for a slash."""
-    found: dict[str, list[End]] = defaultdict(list)
-    for node, endpoint in ends:
-        if target := unapplied_remap(node, endpoint.topic)[1]:
-            found[target].append((node, endpoint))
-    return found
+def _would_be_applied_there(c: _Candidate) -> bool:
+    return c.fits and c.wanted == unapplied_remap(c.publisher, c.topic)[1]
 
 
-def _remove_slash(node: Node, topic: str, argument: str) -> Statement:
-    parts = {"topic": topic, "name": topic[1:], "argument": argument}
-    return state("remove-slash-of-remap", node=node, **parts)
+def _is_inside(c: _Candidate) -> bool:
+    return c.is_same_base and c.fits and c.is_of_node and c.topic == inside(c.node, c.wanted)
+
+
+def _is_elsewhere(c: _Candidate) -> bool:
+    """Return whether the subscriber is in another namespace by mistake.
+
+    A command's argument is the topic: only a node without a namespace is misplaced beside it.
+    """
+    is_of_command = c.publisher.tool and c.is_in_vain and namespace_of(c.node.name) != "/"
+    return c.is_same_base and c.fits and c.is_misplaced and is_legal(c.topic) and not is_of_command
+
+
+def _is_foreign_slip(c: _Candidate) -> bool:
+    return c.is_near and c.is_in_vain and is_legal(c.topic) and not c.is_of_node
+
+
+_ROWS: tuple[tuple[Callable[[_Candidate], object], Callable[[_Candidate], Statement]], ...] = (
+    (_would_be_applied, lambda c: c.published(remove_slash(c.node, c.wanted))),
+    (_would_be_applied_there, lambda c: c.publishes(remove_slash(c.publisher, c.topic))),
+    (_is_inside, lambda c: c.published(c.take_it())),
+    (
+        _is_elsewhere,
+        lambda c: c.published(state("namespace", node=c.node, namespace=namespace_of(c.topic))),
+    ),
+    (
+        lambda c: c.is_meant and c.is_slip(),
+        lambda c: c.publishes(publish_on(c.publisher, c.topic, c.wanted)),
+    ),
+    (
+        lambda c: c.is_meant and _is_foreign_slip(c),
+        lambda c: c.published(c.take_it(), or_publish_on=c.wanted),
+    ),
+    (
+        lambda c: c.is_meant and is_legal(c.topic) and (c.is_near or c.of_simulator),
+        lambda c: c.published(c.take_it()),
+    ),
+    (
+        lambda c: c.is_meant and is_plain(c.topic) and c.is_of_own_code(),
+        lambda c: c.published(state("plain-channel", node=c.node, channel=c.topic)),
+    ),
+    (lambda c: c.is_meant, lambda c: c.published(state("republish", topic=c.wanted))),
+    (
+        lambda c: c.fits and c.is_before_remap(),
+        lambda c: c.published(
+            state("drop-remap", node=c.node, argument=remap_argument(c.node, c.wanted))
+        ),
+    ),
+    (lambda c: c.is_spare and not (c.of_simulator and c.for_simulator), _Candidate.connect),
+    (
+        lambda c: c.differs and c.types and (c.is_same_base or c.is_near),
+        _Candidate.change_type,
+    ),
+)
+"""The kinds of mistakes, the likeliest first, with their remedies: the first match decides."""
 
 
 class ConnectionFinder:
@@ -146,294 +282,141 @@ class ConnectionFinder:
 
     def __init__(self, graph: Graph, names: Mapping[str, str]) -> None:
         self._graph, self._names = graph, names
-        live = [(n, e) for n in graph.nodes if not n.stale for e in n.endpoints]
-        published = [(n, e) for n, e in live if e.role is Role.PUBLISHER]
-        self._by_base = _by(base_name_of, published)
-        self._published = _by(str, published)
-        taking = ((n, e) for n, e in live if e.role is Role.SUBSCRIBER and not n.tool)
-        self._unapplied = _by_unapplied_remap(published)
-        self._subscribed = _by(str, taking)  # not by commands: spy and gui subscribe to all
-        self._near_names = NearNames(n for n in graph.topic_names() if not is_hidden(n))
-        self._near_subscribed = NearNames(self._subscribed)
-        outputs = unconnected_ends(graph, Role.PUBLISHER, of_tools=True)
-        self._unconnected = {(node.id, end.topic) for node, end in outputs}
         self._simulators = {node.id for node in graph.nodes if is_simulator(node)}
-        self._spare = self._by_type(published)
-        self._foreign: dict[str, list[Traffic]] = defaultdict(list)  # by its channel's last part
-        for seen in graph.foreign():
-            self._foreign[base_name_of(seen.channel)].append(seen)
-        sent = {seen.channel for seen in graph.traffic} | {e.topic for _, e in published}
+        live = [(n, e) for n in graph.nodes if not n.stale for e in n.endpoints]
+        taking = [(n, e) for n, e in live if e.role is Role.SUBSCRIBER and not n.tool]
+        self._subscribed: dict[str, list[End]] = defaultdict(list)  # not by commands: spy takes all
+        for node, end in taking:
+            self._subscribed[end.topic].append((node, end))
+        outputs = unconnected_ends(graph, Role.PUBLISHER, of_tools=True)
+        self._in_vain = {(node.id, end.topic) for node, end in outputs}
+        self._by_topic: dict[str, list[_Publication]] = defaultdict(list)
+        self._by_base: dict[str, list[_Publication]] = defaultdict(list)
+        self._by_unapplied: dict[str, list[_Publication]] = defaultdict(list)
+        self._spare: dict[tuple[str, int], list[_Publication]] = defaultdict(list)
+        for one in chain(_announced(live), self._foreign()):
+            self._by_topic[one.topic].append(one)
+            self._by_base[base_name_of(one.topic)].append(one)
+            if target := unapplied_remap(one.node, one.topic)[1]:
+                self._by_unapplied[target].append(one)
+            for number in dict.fromkeys(one.fingerprints) if self._is_spare(one) else ():
+                self._spare[namespace_of(one.topic), number].append(one)
+        self._comparable = comparable(name for name in self._by_topic if not is_hidden(name))
+        self._taken = comparable(self._subscribed)
         self._placed = {
             node.id
             for node, end in live
             if namespace_of(node.name) == namespace_of(end.topic) and not is_hidden(end.topic)
-            if end.topic in (sent if end.role is Role.SUBSCRIBER else self._subscribed)
+            if end.topic in (self._by_topic if end.role is Role.SUBSCRIBER else self._subscribed)
         }
 
-    def _by_type(self, published: Iterable[End]) -> dict[tuple[str, int], dict[str, list[End]]]:
-        """Group the publications that may lack a subscriber by namespace and type, then by node."""
-        found: dict[tuple[str, int], dict[str, list[End]]] = defaultdict(lambda: defaultdict(list))
-        for node, end in published:
-            if node.id in self._simulators or (self._is_unconnected(node, end) and not node.tool):
-                for number in dict.fromkeys(end.fingerprints):
-                    found[namespace_of(end.topic), number][node.id].append((node, end))
-        return found
+    def _foreign(self) -> Iterator[_Publication]:
+        for seen in self._graph.foreign():
+            name = self._names.get(seen.channel, str(seen.sender or "unknown sender"))
+            kinds = seen_kinds(seen.fingerprints, seen.channel)
+            sender = Subject("sender", name)
+            known = seen.channel, _NO_NODE, sender, seen.fingerprints, kinds[0] if kinds else ()
+            yield _Publication(*known)
+
+    def _is_in_vain(self, one: _Publication) -> bool:
+        if one.node is _NO_NODE:
+            return not self._graph.topic(one.topic).subscribers
+        return (one.node.id, one.topic) in self._in_vain
+
+    def _is_spare(self, one: _Publication) -> bool:
+        is_of_node = one.node is not _NO_NODE and not one.node.tool
+        return one.node.id in self._simulators or (is_of_node and self._is_in_vain(one))
+
+    def _likely_spare(self, node: Node, space: str, number: int) -> list[_Publication]:
+        """Return outputs of a namespace and type; no simulator is connected with another one."""
+        of = self._simulators if node.id in self._simulators else ()
+        others = (one for one in self._spare.get((space, number), ()) if one.node.id not in of)
+        return list(islice(others, _MOST_SUGGESTIONS + 1))  # one may be its own
 
     def suggestions(self, unconnected: Iterable[End]) -> list[Suggestion]:
         """Return suggestions for unconnected subscriptions.
 
         If one of them moves a node to another namespace, that also serves its topics there.
         """
-        found = [
-            (node, replace(suggestion, topic=end.topic))
-            for node, end in unconnected
-            for suggestion in self._likeliest(node, end)
-        ]
+        found = [one for node, end in unconnected for one in self._likeliest(node, end)]
+        names = {node.id: subject(node) for node in self._graph.nodes}
         moves = {
-            suggestion.listener: suggestion.remedy
-            for node, suggestion in found
-            if suggestion.remedy.kind == "namespace"
-            and suggestion.remedy.parts["node"] == subject(node)
+            one.listener: one.remedy
+            for one in found
+            if one.remedy.kind == "namespace" and one.remedy.parts["node"] == names[one.listener]
         }
 
-        def is_met(suggestion: Suggestion) -> bool:
-            move = moves.get(suggestion.listener)
-            return move is not None and namespace_of(suggestion.channel) == move.parts["namespace"]
+        def is_met(one: Suggestion) -> bool:
+            move = moves.get(one.listener)
+            return move is not None and namespace_of(one.channel) == move.parts["namespace"]
 
-        return [
-            replace(suggestion, remedy=moves[suggestion.listener])
-            if is_met(suggestion)
-            else suggestion
-            for _, suggestion in found
-        ]
+        return [replace(x, remedy=moves[x.listener]) if is_met(x) else x for x in found]
 
     def remedies_for_publication(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
         """Yield remedies that remap an unconnected publication to a topic with subscribers."""
-        for topic in self._near_subscribed.of(endpoint.topic):
+        for topic in near_names(endpoint.topic, self._taken):
             for listener, other in self._subscribed[topic]:
-                if listener.id != node.id and _fit(endpoint, other):
+                fits = not set(endpoint.fingerprints).isdisjoint(other.fingerprints)
+                if listener.id != node.id and fits:
                     remedy = publish_on(node, endpoint.topic, topic)
                     yield give_reason(remedy, "subscribes", listener=listener, channel=topic)
 
     def _likeliest(self, node: Node, end: Endpoint) -> list[Suggestion]:
         """Return the suggestions of the most likely kind of mistake."""
-        kinds = (
-            self._without_slash,
-            self._in_other_namespace,
-            self._of_similar_name,
-            self._without_remap,
-            self._of_same_type,
-            self._of_other_type,
-        )
-        found = (list(islice(kind(node, end), _MOST_SUGGESTIONS)) for kind in kinds)
-        return next(filter(None, found), [])
+        candidates = list(self._candidates(node, end))
+        for condition, remedy in _ROWS:
+            if found := list(islice(filter(condition, candidates), _MOST_SUGGESTIONS)):
+                # of outputs that have only the type in common, none is more likely
+                chosen = found if remedy is _Candidate.connect else found[:1]
+                return [
+                    Suggestion(
+                        _with_alternatives(remedy(c), found),
+                        *(node.id, c.topic, c.publisher.id, end.topic),
+                    )
+                    for c in chosen
+                ]
+        return []
 
-    def _is_unconnected(self, publisher: Node, publication: Endpoint) -> bool:
-        return (publisher.id, publication.topic) in self._unconnected
-
-    def _is_misplaced(self, node: Node, topic: str, *, command: bool = False) -> bool:
-        """Return whether a node's namespace is the reason why a topic in it is unconnected.
-
-        It is not if another topic of the node in the namespace is connected. If a command is at the
-        other end, whose argument is the topic, only a node without a namespace is misplaced.
-        """
-        space = namespace_of(node.name)
-        is_own = space == namespace_of(topic) and node.id not in self._placed
-        return is_own and not (command and space != "/")
-
-    def _use_channel(self, node: Node, topic: str, channel: str) -> Statement:
-        """Return the remedy for a channel that no remap gives to a node's subscription.
-
-        A node takes a plain channel by its own code. The sender changes if nobody edits that, as of
-        a simulator.
-        """
-        if is_plain(channel) and node.id not in self._simulators and not _is_fixed(node):
-            return state("plain-channel", node=node, channel=channel)
-        return state("republish", topic=topic)
-
-    def _sender(self, channel: str, fallback: object = "unknown sender") -> Subject:
-        return Subject("sender", self._names.get(channel, str(fallback)))
-
-    def _without_slash(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest to remove a slash that keeps a remap of either node from being applied."""
-        argument, target = unapplied_remap(node, end.topic)
-        for publisher, other in self._published.get(target, ()):
-            if publisher.id != node.id and _fit(end, other):
-                remedy = _remove_slash(node, end.topic, argument)
-                yield _suggestion(node, remedy, target, publisher)
-                return
-        for publisher, other in self._unapplied.get(end.topic, ()):
-            if publisher.id != node.id and _fit(end, other):
-                argument, _ = unapplied_remap(publisher, other.topic)
-                remedy = _remove_slash(publisher, other.topic, argument)
-                named = {"publisher": subject(publisher)}
-                yield _suggestion(node, remedy, other.topic, publisher, "publishes", **named)
-
-    def _in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest the same name in another namespace: one of the two nodes is in the wrong one."""
-        announced = [
-            (publisher, other)
-            for publisher, other in self._by_base[base_name_of(end.topic)]
-            if publisher.id != node.id and _fit(end, other)
-        ]
-        inside = expanded(end.topic.lstrip("/"), node)
-        for publisher, other in announced:
-            if other.topic == inside != end.topic:
-                yield _suggestion(node, start_with(node, end.topic, inside), inside, publisher)
-                return
-            if is_plain(other.topic) and not publisher.tool:
-                remedy = self._use_channel(node, end.topic, other.topic)
-                yield _suggestion(node, remedy, other.topic, publisher)
-                return
-        misplaced = [pair for pair in announced if self._is_unconnected(*pair)]
-        command = bool(misplaced) and misplaced[0][0].tool
-        if announced and self._is_misplaced(node, end.topic, command=command):
-            publisher, other = announced[0]
-            first, *more = dict.fromkeys(namespace_of(one.topic) for _, one in announced)
-            remedy = state("namespace", node=node, namespace=first)
-            if more:
-                parts = {**remedy.parts, "or": tuple(more)}
-                sentence = f"{remedy.sentence} (or {{or:namespaces}})"
-                remedy = replace(remedy, parts=parts, sentence=sentence)
-            yield _suggestion(node, remedy, other.topic, publisher)
-        elif misplaced:
-            yield _rename_publisher(node, end, *misplaced[0])
-        elif not announced:
-            yield from self._sent_in_other_namespace(node, end)
-
-    def _sent_in_other_namespace(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest the same name in another namespace, sent by a plain LCM program."""
-        for seen in self._foreign[base_name_of(end.topic)]:
-            channel = seen.channel
-            if set(seen.fingerprints).isdisjoint(end.fingerprints):
-                continue
-            if self._is_misplaced(node, end.topic) and is_legal(channel):
-                remedy = state("namespace", node=node, namespace=namespace_of(channel))
-            elif not self._graph.topic(channel).subscribers:
-                remedy = self._use_channel(node, end.topic, channel)
-            else:
-                continue
-            yield _suggestion(node, remedy, channel, by=self._sender(channel, seen.sender))
-            return
-
-    def _of_similar_name(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest a similar name, unless its type differs."""
-        for name in self._near_names.of(end.topic):
-            topic = self._graph.topic(name)
-            sent, taken = _sent(topic), set(end.fingerprints)
-            others = [(n, e) for n, e in topic.publishers if n.id != node.id]
-            if (taken and sent and not sent & taken) or not (others or topic.traffic):
-                continue
-            slip = next(((n, e) for n, e in others if self._is_unconnected(n, e)), None)
-            if is_legal(name) and slip and _is_slip_of(slip[0], name, node, end):
-                yield _rename_publisher(node, end, *slip)
-                return
-            known: dict[str, Part] = {} if others else {"by": self._sender(name)}
-            if is_legal(name):
-                remedy = start_with(node, end.topic, name)
-                if not (others or topic.subscribers):
-                    known["or_publish_on"] = end.topic
-            else:
-                remedy = self._use_channel(node, end.topic, name)
-            yield _suggestion(node, remedy, name, slip and slip[0], "published", **known)
-            return
-
-    def _without_remap(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest to drop a remap of a topic that is published."""
-        argument = remap_argument(node, end.topic)
-        before = expanded(argument.partition(":=")[0], node)
-        topic = self._graph.topic(before)
-        others = any(one.id != node.id and not one.stale for one, _ in topic.publishers)
-        if argument and (others or topic.foreign) and _sent(topic) & set(end.fingerprints):
-            yield _suggestion(node, state("drop-remap", node=node, argument=argument), before)
-
-    def _of_same_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest publications of the same type and namespace without subscribers.
-
-        A simulator's topics have fixed names: other nodes are remapped to them. Otherwise the name
-        that comes from a remap is the wrong one.
-        """
-        space = namespace_of(end.topic)
-        fitting = (
-            self._spare.get((space, number), {}) for number in dict.fromkeys(end.fingerprints)
-        )
-        others = (ends for by_node in fitting for id_, ends in by_node.items() if id_ != node.id)
-        for publisher, publication in chain.from_iterable(others):
-            topic = publication.topic
-            if publisher.id in self._simulators:
-                if node.id not in self._simulators:
-                    remedy = start_with(node, end.topic, _as_seen_by(node, topic))
-                    yield _suggestion(node, remedy, topic, publisher, "same-type")
-                continue
-            if remap_argument(node, end.topic) and not remap_argument(publisher, topic):
-                remedy = start_with(node, end.topic, _as_seen_by(node, topic))
-            else:
-                remedy = publish_on(publisher, topic, _as_seen_by(publisher, end.topic))
-            yield _suggestion(node, remedy, topic, publisher, "no-subscriber")
-
-    def _of_other_type(self, node: Node, end: Endpoint) -> Iterator[Suggestion]:
-        """Suggest another type for the same name in another namespace, or for a similar name."""
-        if not end.fingerprints:
-            return
-        base, near = base_name_of(end.topic), list(self._near_names.of(end.topic))
-        published = chain(self._by_base[base], *(self._published[name] for name in near))
-        for publisher, other in published:
-            if publisher.id != node.id:
-                yield _change_type(
-                    node, end, other.topic, subject(publisher), other.type, publisher.id
+    def _candidates(self, node: Node, end: Endpoint) -> Iterator[_Candidate]:
+        """Yield the publications that may be meant; announced ones come first."""
+        base, space = base_name_of(end.topic), namespace_of(end.topic)
+        near = near_names(end.topic, self._comparable)
+        target = unapplied_remap(node, end.topic)[1]
+        before = expanded(remap_argument(node, end.topic).partition(":=")[0], node)
+        groups = [self._by_topic.get(name, []) for name in (target, *near, before)]
+        groups += [self._by_base.get(base, []), self._by_unapplied.get(end.topic, [])]
+        groups += [self._likely_spare(node, space, number) for number in end.fingerprints]
+        likely = {id(one): one for one in chain.from_iterable(groups)}
+        taken, is_own = set(end.fingerprints), namespace_of(node.name) == space
+        for one in sorted(likely.values(), key=lambda one: one.node is _NO_NODE):
+            sent = set(one.fingerprints)
+            fits = not sent.isdisjoint(taken)
+            if one.node.id != node.id:
+                yield _Candidate(
+                    *(node, end.topic, end.type, one.topic, one.node, one.sender, one.types),
+                    fits=fits,
+                    differs=bool(sent and taken) and not fits,
+                    is_same_base=base_name_of(one.topic) == base,
+                    is_near=one.topic in near,
+                    is_misplaced=is_own and node.id not in self._placed,
+                    is_in_vain=self._is_in_vain(one),
+                    is_spare=fits and namespace_of(one.topic) == space and self._is_spare(one),
+                    of_simulator=one.node.id in self._simulators,
+                    for_simulator=node.id in self._simulators,
                 )
-                return
-        meant = (seen for name in near for seen in self._graph.topic(name).foreign)
-        for seen in chain(self._foreign[base], meant):
-            known = seen_kinds(seen.fingerprints, seen.channel)
-            if known:
-                yield _change_type(node, end, seen.channel, self._sender(seen.channel), known[0][0])
-                return
 
 
-def _suggestion(
-    node: Node,
-    remedy: Statement,
-    channel: str,
-    by_node: Node | None = None,
-    because: str = "published",
-    **parts: Part,
-) -> Suggestion:
-    given = give_reason(remedy, because, channel=channel, **parts)
-    return Suggestion(given, node.id, channel, by_node.id if by_node else "")
+def _announced(live: Iterable[End]) -> Iterator[_Publication]:
+    for node, end in live:
+        if end.role is Role.PUBLISHER:
+            yield _Publication(end.topic, node, subject(node), end.fingerprints, end.types)
 
 
-def _rename_publisher(
-    node: Node, end: Endpoint, publisher: Node, publication: Endpoint
-) -> Suggestion:
-    """Suggest another topic for the publisher, because its name is the wrong one.
-
-    A simulator's names are right: the subscriber changes its own.
-    """
-    topic = publication.topic
-    if is_simulator(publisher) and not is_simulator(node):
-        return _suggestion(node, start_with(node, end.topic, topic), topic, publisher)
-    remedy = publish_on(publisher, topic, end.topic)
-    return _suggestion(node, remedy, topic, publisher, "publishes", publisher=subject(publisher))
-
-
-def _change_type(
-    node: Node, end: Endpoint, topic: str, publisher: Subject, name: str, identity: str = ""
-) -> Suggestion:
-    types = {"type": name, "topic": topic, "expected": end.type}
-    return Suggestion(
-        state("change-type", publisher=publisher, node=node, **types), node.id, topic, identity
-    )
-
-
-def _is_fixed(node: Node) -> bool:
-    """Return whether a node is one of lcmtools' own, whose code users do not edit."""
-    words = program_words(node.command)
-    return words[:2] == ["lcmtools", "run"] and not fixed_nodes().isdisjoint(words[2:])
-
-
-def _is_slip_of(publisher: Node, name: str, node: Node, end: Endpoint) -> bool:
-    """Return whether the publisher's topic has the wrong name, and not the subscriber's."""
-    if remap_argument(publisher, name) or remap_argument(node, end.topic):
-        return bool(remap_argument(publisher, name))
-    return publisher.tool or namespace_of(node.name) != namespace_of(end.topic)
+def _with_alternatives(remedy: Statement, found: Iterable[_Candidate]) -> Statement:
+    """Return the move of a subscriber to a namespace with the others that are as likely."""
+    spaces = dict.fromkeys(namespace_of(c.topic) for c in found if _is_elsewhere(c))
+    more = tuple(space for space in spaces if space != remedy.parts.get("namespace"))
+    if remedy.kind != "namespace" or not more:
+        return remedy
+    sentence = f"{remedy.sentence} (or {{or:namespaces}})"
+    return replace(remedy, parts={**remedy.parts, "or": more}, sentence=sentence)

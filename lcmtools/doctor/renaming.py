@@ -6,8 +6,8 @@ Pure: nodes in, remedies out.
 import re
 from collections.abc import Iterable
 from dataclasses import replace
+from difflib import SequenceMatcher
 from functools import lru_cache
-from itertools import zip_longest
 
 from lcmtools.doctor.findings import Observed, Part, Statement, state
 from lcmtools.graph.model import Node
@@ -25,10 +25,6 @@ REMAPS = {
     "replace-remap": "start {node} with {old}:={new} in place of {argument}",
     "republish": "let it publish on '{topic}'",
 }
-PLAIN_CHANNEL = {
-    "plain-channel": "in {node}, subscribe to {channel} with plain_channel=True,"
-    " in C++ to plain_channel({channel})",
-}
 """The sentences of remedies that give a topic another name."""
 _REASONS = {
     "no-subscriber": "{channel} of the same type has no subscriber",
@@ -38,133 +34,95 @@ _REASONS = {
     "same-type": "{channel} is of the same type",
     "subscribes": "{listener} subscribes to {channel}",
 }
-_SHORT, _LONG = 4, 8  # characters: shorter names look alike by chance, longer ones have more errors
-_MOST_EDITS = 2  # of a long name
-_MOST_COMPARISONS = 5_000_000  # of two names' letters, which take half a second
-_ABBREVIATED = 4  # consonants of a word that may be abbreviated, as command by cmd
+_MOST_NAMES = 300  # that are compared
+_MOST_LETTERS = 4  # that only one of two names has
+_SHORT = 4  # characters: shorter names look alike by chance
+_LONG = 8  # characters: in a shorter name, an error is a larger part
+_ALIKE, _ALIKE_SHORT, _ALIKE_CONSONANTS = 0.84, 0.8, 0.9  # ratios of equal characters
 
 
 def are_near(one: str, other: str) -> bool:
     """Return whether one name may be a misspelling of the other.
 
-    Names are near if they differ only in case, slashes and spaces, in one typing error (two in long
-    names), or in abbreviated words (velocity_command, velocity_cmd). Names that differ only in
-    numbers mean different things (/husky0, /husky1).
+    Names are near if they differ only in case, slashes and spaces, in few characters of namespace
+    and base name, or in abbreviated words (velocity_command, velocity_cmd). Names that differ only
+    in numbers mean different things (/husky0, /husky1).
     """
-    if _without_numbers(one) == _without_numbers(other):
+    first, second = _pattern(one), _pattern(other)
+    # most pairs differ in many letters, which is quickly seen
+    if first == second or (_letters(first) ^ _letters(second)).bit_count() > _MOST_LETTERS:
         return False
+    return _are_near_patterns(*sorted((first, second)))
+
+
+def resembles(topic: str, other: str) -> bool:
+    """Return whether one topic may be meant by the other: of the same or a similar base name."""
+    bases = base_name_of(topic), base_name_of(other)
+    return bases[0] == bases[1] or are_near(topic, other) or are_near(*bases)
+
+
+def near_names(name: str, names: Iterable[str]) -> list[str]:
+    """Return the names that are near to a name, those of the same numbers first."""
+    numbers = re.findall(r"\d+", name)
+    near = (other for other in names if are_near(name, other))
+    return sorted(near, key=lambda other: re.findall(r"\d+", other) != numbers)
+
+
+def comparable(names: Iterable[str]) -> list[str]:
+    """Return the first names, of as many kinds as can be compared; their numbers do not count."""
+    kinds: dict[str, list[str]] = {}
+    for name in names:
+        if (pattern := _pattern(name)) in kinds or len(kinds) < _MOST_NAMES:
+            kinds.setdefault(pattern, []).append(name)
+    return [name for alike in kinds.values() for name in alike]
+
+
+@lru_cache(100_000)
+def _pattern(name: str) -> str:
+    return re.sub(r"\d+", "0", name)
+
+
+@lru_cache(100_000)
+def _letters(pattern: str) -> int:
+    """Return the set of a pattern's letters as bits."""
+    return sum(1 << number for number in {ord(one) % 64 for one in _folded(pattern)})
+
+
+@lru_cache(100_000)
+def _are_near_patterns(one: str, other: str) -> bool:
+    one, other = one.replace("0", ""), other.replace("0", "")
     first, second = _folded(one), _folded(other)
     if first == second:
         return True
     if min(len(first), len(second)) <= _SHORT:
         return False
     bases = base_name_of(one), base_name_of(other)
-    is_long = min(len(_folded(base)) for base in bases) >= _LONG
-    if _has_distance_within(first, second, _MOST_EDITS if is_long else 1):
-        return True
-    return is_long and namespace_of(one) == namespace_of(other) and _are_abbreviations(*bases)
+    is_alike = _are_alike(*map(_folded, bases)) or _are_abbreviated(*bases)
+    return is_alike and _are_alike(*(_folded(namespace_of(name)) for name in (one, other)))
 
 
-class NearNames:
-    """An index of names for similar ones. Names that differ only in numbers are compared once.
-
-    Among thousands of names that nothing connects, no slip of typing is searched for the last ones.
-    """
-
-    def __init__(self, names: Iterable[str]) -> None:
-        self._alike: dict[str, list[str]] = {}
-        self._near: dict[str, tuple[str, ...]] = {}  # a cache by name
-        for name in names:
-            self._alike.setdefault(_without_numbers(name), []).append(name)
-        self._order = {pattern: number for number, pattern in enumerate(self._alike)}
-        self._letters = [(*_letters(pattern), pattern) for pattern in self._alike]
-        self._by_initials: dict[object, list[str]] = {}
-        for pattern in self._alike:
-            self._by_initials.setdefault(_initials(pattern), []).append(pattern)
-        self._left = _MOST_COMPARISONS
-
-    def of(self, name: str) -> tuple[str, ...]:
-        """Return the names that are near to a name."""
-        if name not in self._near:
-            pattern = _without_numbers(name)
-            likely = self._likely(pattern)
-            near = (self._alike[one] for one in likely if _are_near_patterns(pattern, one))
-            self._near[name] = tuple(one for names in near for one in names if are_near(one, name))
-        return self._near[name]
-
-    def _likely(self, pattern: str) -> list[str]:
-        """Return the patterns that may be near: of nearly the same letters, or of its initials."""
-        count, letters = _letters(pattern)
-        self._left -= len(self._letters)
-        known = self._letters if self._left >= 0 else ()
-        likely = {
-            other
-            for others, mask, other in known
-            if -_MOST_EDITS <= others - count <= _MOST_EDITS
-            if (mask ^ letters).bit_count() <= 2 * _MOST_EDITS
-        }
-        likely.update(self._by_initials.get(_initials(pattern), ()))
-        return sorted(likely, key=self._order.__getitem__)
-
-
-def _letters(pattern: str) -> tuple[int, int]:
-    """Return the number of a pattern's letters, and the set of them as bits."""
-    letters = _folded(pattern.replace("0", ""))
-    return len(letters), sum(1 << number for number in {ord(one) % 64 for one in letters})
-
-
-def _initials(pattern: str) -> tuple[str, ...]:
-    """Return the namespace and the words' initials of a name in which words may be abbreviated.
-
-    A single word is never: short names are not near, and long words need nearly the same letters.
-    """
-    words = base_name_of(pattern).replace("0", "").casefold().split("_")
-    space = namespace_of(pattern).replace("0", "")
-    return (space, *(word[:1] for word in words)) if words[1:] else (pattern,)
-
-
-@lru_cache(100_000)
-def _are_near_patterns(one: str, other: str) -> bool:
-    return are_near(one.replace("0", ""), other.replace("0", ""))
-
-
-@lru_cache(100_000)
-def _without_numbers(name: str) -> str:
-    return re.sub(r"[0-9]+", "0", name)
-
-
-@lru_cache(100_000)
 def _folded(name: str) -> str:
     return re.sub(r"[\s/_]", "", name).casefold()
 
 
-def _has_distance_within(one: str, other: str, edits: int) -> bool:
-    """Return whether the edit distance (with transpositions) of two words is at most ``edits``."""
-    if abs(len(one) - len(other)) > edits or len(set(one) ^ set(other)) > 2 * edits:
-        return False
-    differing = (n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b)
-    start = next(differing, min(len(one), len(other)))
-    one, other = one[start:], other[start:]
-    if not edits or one == other:
-        return one == other
-    swapped = one[1::-1] == other[:2] and _has_distance_within(one[2:], other[2:], edits - 1)
-    pairs = (one[1:], other), (one, other[1:]), (one[1:], other[1:])
-    return swapped or any(_has_distance_within(first, second, edits - 1) for first, second in pairs)
+def _are_alike(one: str, other: str) -> bool:
+    least = _ALIKE if max(len(one), len(other)) >= _LONG else _ALIKE_SHORT
+    return one == other or _ratio(one, other) >= least
 
 
-def _are_abbreviations(one: str, other: str) -> bool:
-    """Return whether each word of one name may abbreviate the same word of the other."""
-    pairs = zip_longest(*(name.casefold().split("_") for name in (one, other)), fillvalue="")
-    return all(a[:1] == b[:1] and _are_near_words(a, b) for a, b in pairs)
+def _are_abbreviated(one: str, other: str) -> bool:
+    """Return whether words of the same initials have nearly the same consonants."""
+    words = [name.casefold().split("_") for name in (one, other)]
+    initials = [[word[:1] for word in name] for name in words]
+    consonants = ("".join(re.sub(r"[aeiou]|(.)(?=\1)", "", x) for x in name) for name in words)
+    is_long = min(len(one), len(other)) >= _LONG
+    return is_long and initials[0] == initials[1] and _ratio(*consonants) >= _ALIKE_CONSONANTS
 
 
-def _are_near_words(one: str, other: str) -> bool:
-    if min(len(one), len(other)) > _SHORT:
-        return _has_distance_within(one, other, 1)
-    first, second = (re.sub(r"[aeiou]|(.)(?=\1)", "", word) for word in (one, other))
-    return one == other or (
-        max(len(first), len(second)) >= _ABBREVIATED and _has_distance_within(first, second, 1)
-    )
+def _ratio(one: str, other: str) -> float:
+    if min(len(one), len(other)) * 2 < _ALIKE_SHORT * len(one + other):
+        return 0.0
+    return SequenceMatcher(None, one, other, autojunk=False).ratio()
 
 
 def is_legal(channel: str) -> bool:
@@ -194,13 +152,13 @@ def start_with(node: Node, topic: str, target: str) -> Statement:
     argument, space = remap_argument(node, topic), namespace_of(node.name)
     source, wanted = argument.partition(":=")[0], expanded(target, node)
     name = base_name_of(topic) if space == namespace_of(topic) else topic
-    if not argument and topic != wanted == expanded(topic.lstrip("/"), node):
+    if not argument and topic != wanted == inside(node, topic):
         return state("remove-slash", node=node, topic=topic, name=topic[1:], namespace=space)
     if not argument:
         return state("remap", node=node, old=name, new=target)
     if expanded(source, node) != wanted:
         return state("replace-remap", node=node, old=source, new=target, argument=argument)
-    if are_near(topic, wanted) or wanted == expanded(topic.lstrip("/"), node):
+    if are_near(topic, wanted) or wanted == inside(node, topic):
         return state("drop-remap", node=node, argument=argument)
     # source and target of the remap were exchanged
     return state("replace-remap", node=node, old=name, new=target, argument=argument)
@@ -210,18 +168,23 @@ def publish_on(publisher: Node, topic: str, target: str) -> Statement:
     """Return the remedy that lets a node publish on another topic."""
     if publisher.tool:  # a command: its topic is an argument, which no remap changes
         return state("republish", topic=expanded(target, publisher))
-    space = namespace_of(target)
     is_own = namespace_of(publisher.name) == namespace_of(topic)
     if is_own and base_name_of(topic) == base_name_of(target):
-        return state("namespace", node=publisher, namespace=space)
+        return state("namespace", node=publisher, namespace=namespace_of(target))
     return start_with(publisher, topic, target)
+
+
+def remove_slash(node: Node, topic: str) -> Statement:
+    """Return the remedy for a slash that keeps a remap from being applied to a topic."""
+    argument, _ = unapplied_remap(node, topic)
+    parts = {"topic": topic, "name": topic[1:], "argument": argument}
+    return state("remove-slash-of-remap", node=node, **parts)
 
 
 def remap_argument(node: Node, topic: str) -> str:
     """Return the remap in a node's command line that results in a topic; "" if there is none."""
-    for word in node.command.split():
-        source, sign, target = word.partition(":=")
-        if sign and target and not source.startswith("_") and expanded(target, node) == topic:
+    for word, source, target in _remaps(node):
+        if not source.startswith("_") and expanded(target, node) == topic:
             return word
     return ""
 
@@ -231,13 +194,24 @@ def unapplied_remap(node: Node, topic: str) -> tuple[str, str]:
 
     Both are "" if there is none.
     """
-    for word in node.command.split() if ":=" in node.command else ():
-        source, sign, target = word.partition(":=")
-        if sign and target and topic == f"/{source}" != expanded(source, node):
+    for word, source, target in _remaps(node):
+        if topic == f"/{source}" != expanded(source, node):
             return word, expanded(target, node)
     return "", ""
+
+
+def _remaps(node: Node) -> list[tuple[str, str, str]]:
+    """Return the arguments OLD:=NEW of a node, with both names."""
+    words = node.command.split() if ":=" in node.command else []
+    parts = ((word, *word.split(":=", 1)) for word in words if ":=" in word)
+    return [(word, source, target) for word, source, target in parts if target]
 
 
 def expanded(name: str, node: Node) -> str:
     """Return the topic that a name means in a node's namespace."""
     return name if name.startswith("/") else f"{namespace_of(node.name).rstrip('/')}/{name}"
+
+
+def inside(node: Node, topic: str) -> str:
+    """Return a topic as it is in a node's namespace without the slash at its start."""
+    return expanded(topic.lstrip("/"), node)

@@ -14,8 +14,8 @@ from lcmtools.messages.fill import Value
 from lcmtools.messages.message_template import MessageTemplate, draft
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message, message_class, type_name, type_names
-from lcmtools.packages.comments import Comment, comments
-from lcmtools.packages.user_types import source_text
+from lcmtools.packages.placed_type import Comment
+from lcmtools.packages.user_types import type_comments
 
 
 def names(source: Source, _: Parameters) -> Json:
@@ -88,7 +88,7 @@ def unit_of(kind: type[Message], path: str) -> str:
 @cache
 def _comments(kind: type[Message]) -> Mapping[str, Comment]:
     try:
-        return comments(source_text(kind))
+        return type_comments(kind)
     except LcmtoolsError:  # a type from a log, or without its file
         return {}
 

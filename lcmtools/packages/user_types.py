@@ -36,6 +36,7 @@ from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
+from lcmtools.packages.placed_type import Comment, comments
 from lcmtools.packages.type_files import (
     LcmFile,
     installed_folders,
@@ -226,6 +227,13 @@ def source_file(kind: type[Message]) -> str:
 def source_text(kind: type[Message]) -> str:
     """Return the content of a message type's file, as its author wrote it."""
     return read_source(source_file(kind), type_name(kind))
+
+
+def type_comments(kind: type[Message]) -> dict[str, Comment]:
+    """Return the comments on a type in its file, by field; see ``placed_type.comments``."""
+    name, file = type_name(kind), source_file(kind)
+    package = "" if file.endswith(".lcm") else name.rpartition("/")[0]
+    return comments(LcmFile(file, read_source(file, name).encode(), package), name)
 
 
 def read_source(file: str, name: str) -> str:

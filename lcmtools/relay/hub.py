@@ -24,13 +24,14 @@ from typing import NoReturn
 from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.bus.kernel import is_unanswered, keep_little_waiting
 from lcmtools.bus.line_buffer import LineBuffer
+from lcmtools.bus.records import this_process
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.full_line import LineRates
 from lcmtools.graph.model import FullLine, Traffic
 from lcmtools.graph.protocol import NODE_CHANNEL, PROTOCOL_CHANNELS, head_of
-from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.observe.reading.presence import Presence
 from lcmtools.relay.announcing import heard_of_programs
 from lcmtools.relay.bulk_connection import BULK_BYTES
 from lcmtools.relay.fair_queue import LATE, FairQueue
@@ -394,7 +395,9 @@ def serve(
     ``on_turn`` is called several times a second; ``on_shutdown`` when another program requests this
     one to end.
     """
-    presence = Presence(own_node(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown)
+    presence = Presence(
+        this_process(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown
+    )
     next_look = 0.0
     try:
         while True:

@@ -20,14 +20,14 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import NoReturn
 
-from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.records import NodeRecords, this_process
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph import protocol
 from lcmtools.graph.model import RelayStep
 from lcmtools.graph.relay_report import End, Link, Report, State, decode_report, encode_report
 from lcmtools.names import check_node
-from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.observe.reading.presence import Presence
 from lcmtools.relay.announcing import Announced
 from lcmtools.relay.ends import bus_name, open_end
 from lcmtools.relay.fair_queue import LineMessage
@@ -64,7 +64,7 @@ class Relay(AbstractContextManager["Relay"]):
         name: str = "",
         on_shutdown: Callable[[], None] = lambda: None,
     ) -> None:
-        node = own_node(name or usual_name(), tool=False)
+        node = this_process(name or usual_name(), tool=False)
         check_node(node.name)
         identifier = f"{time.time_ns():016x}-{os.urandom(4).hex()}"
         node = node._replace(id=identifier)

@@ -216,3 +216,10 @@ def test_a_queue_of_one_for_texts_that_come_five_at_a_time(world):
     ear = world.script(_EAR_OF_ONE.replace("DEPTH", "10"))
     world.until(lambda: ear.pid in world.pids())
     world.is_silent(wait="2s")
+
+
+def test_a_plain_program_that_dies_while_wtf_listens(world):
+    world.hears("A")
+    dies = world.sends("bus.publish('A', Twist().encode()) if number < 200 else sys.exit()")
+    found = world.finds("silent", f"(pid {dies.pid}), which has ended", "'A'", wait="6s")
+    assert [fact["kind"] for fact in found.facts] == ["ended-stream"]

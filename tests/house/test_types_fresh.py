@@ -75,7 +75,7 @@ def test_new_service_gets_its_pair(copy):
     assert generate(copy).returncode == 0
     types = copy / "lcmtools" / "types" / "lab_srvs"
     exports = (types / "__init__.py").read_text()
-    assert exports.endswith("from .Reset import Reset as Reset\n")
+    assert "    from .Reset import Reset as Reset\n" in exports
     assert "Request: TypeAlias = Reset_Request" in (types / "Reset.py").read_text()
 
 

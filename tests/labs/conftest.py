@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import sys
 from pathlib import Path
 
@@ -38,7 +39,7 @@ def check(cli, tmp_path):
     def run(lab, program, source, fault):
         script = tmp_path / "program.py"
         script.write_text(source)
-        command = f"{sys.executable} {script} {fault}"
+        command = f"{shlex.join([sys.executable, str(script)])} {fault}"
         result = cli("lab", "check", lab, f"--{program}", command, "--json")
         assert result.code == 1, result.err
         answer = json.loads(result.out)

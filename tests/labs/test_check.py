@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import shlex
 import signal
 import sys
 from contextlib import closing
@@ -108,7 +109,7 @@ def check(cli, tmp_path, left_over):
     def run(lab, *options, source="", tail=""):
         script = tmp_path / "program.py"
         script.write_text(source)
-        own = [options[-1], f"{sys.executable} {script}{tail}"] if source else []
+        own = [options[-1], f"{shlex.join([sys.executable, str(script)])}{tail}"] if source else []
         result = cli(
             "lab", "check", lab, *options[:-1], *own, "--json", env={"TMPDIR": str(tmp_path)}
         )

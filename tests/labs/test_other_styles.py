@@ -1,6 +1,7 @@
 """Programs that do what a lab asks for in another way than the model answers."""
 
 import json
+import shlex
 import sys
 
 import pytest
@@ -163,7 +164,7 @@ lcmtools.spin(Follower())
 def test_a_program_of_another_style_is_right(option, source, cli, tmp_path):
     script = tmp_path / "program.py"
     script.write_text(source)
-    command = f"{sys.executable} {script}"
+    command = shlex.join([sys.executable, str(script)])
     result = cli("lab", "check", "pioneer", f"--{option}", command, "--json")
     assert not [row for row in json.loads(result.out)["rows"] if not row["ok"]]
     assert result.code == 0

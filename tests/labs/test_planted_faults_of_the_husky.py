@@ -1,6 +1,7 @@
 """lab check of Husky programs with a planted fault: the cause is named, within 30 s, and once."""
 
 import json
+import shlex
 import sys
 
 import pytest
@@ -232,7 +233,7 @@ def test_a_program_is_right_that_goes_by_the_real_clock_or_has_what_wtf_notes(
 ):
     script = tmp_path / "program.py"
     script.write_text(CONTROLLER)
-    command = f"{sys.executable} {script} {fault}"
+    command = f"{shlex.join([sys.executable, str(script)])} {fault}"
     result = cli("lab", "check", "husky", "--controller", command, "--json")
     assert result.code == 0, result.out
     noted = [one.partition(":")[0] for row in json.loads(result.out)["rows"]

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 import pytest
 
 import lcmtools
 from lcmtools.errors import InvalidFile
+from lcmtools.formats.typed import Within
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import Range
@@ -20,7 +22,6 @@ from lcmtools_sim.sensors.sensor import (
     SensorKind,
     Settings,
     fill_header,
-    number,
 )
 from lcmtools_sim.vision.scan import Scanner
 from lcmtools_sim.world_file import read_scene
@@ -40,10 +41,10 @@ TOLERANCE = 0.01
 class SonarSettings(Settings):
     """The properties of a sonar."""
 
-    cone: float = number(math.radians(15), 0.01, 1.0, angle=True)
-    blind: float = number(0.02, 0.0, 10.0)
-    reach: float = number(4.0, 0.01, 10.0, above="blind")
-    wear: float = number(0.0, 0.0, 1.0)  # its cable brakes the encoders of this sonar's robot
+    cone: Annotated[float, Within(0.01, 1.0, unit="rad")] = math.radians(15)
+    blind: Annotated[float, Within(0.0, 10.0)] = 0.02
+    reach: Annotated[float, Within(0.01, 10.0, above="blind")] = 4.0
+    wear: Annotated[float, Within(0.0, 1.0)] = 0.0  # its cable brakes the encoders
 
     @property
     def encoder_noise(self):

@@ -1,17 +1,22 @@
 """A bus that only the programs under test are connected to: a tcpq server without rules of its own.
 
+A process that was not started with its URL is refused.
 It passes nothing on: its user sends each message to the clients that it chooses, and gets what they
 publish, each client's in order, without loss. Must not know logs or processes.
 """
 
 import contextlib
+import os
 import re
 import selectors
 import socket
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from itertools import chain
+from pathlib import Path
 from typing import NamedTuple
 
+from lcmtools.bus.processes import open_files
 from lcmtools.wire import tcpq
 from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
@@ -72,6 +77,14 @@ class Published(NamedTuple):
     payload: bytes
 
 
+def _texts(*paths: str) -> list[str]:
+    found = [""] * len(paths)
+    for number, path in enumerate(paths):
+        with contextlib.suppress(OSError):  # another system, or the process has ended
+            found[number] = Path(path).read_text(encoding="utf-8", errors="replace")
+    return found
+
+
 class PrivateBus(AbstractContextManager["PrivateBus"]):
     """The server, on a free port of the loopback."""
 
@@ -120,7 +133,10 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
 
     def _accept(self) -> None:
         with contextlib.suppress(OSError):
-            connection, _ = self._listener.accept()
+            connection, (_, port) = self._listener.accept()
+            if self._is_stranger(port):
+                connection.close()
+                return
             connection.setblocking(False)  # noqa: FBT003 - the socket module's own
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             client = Client(connection, self.count)
@@ -128,6 +144,21 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
             self.clients.append(client)
             self._selector.register(connection, selectors.EVENT_READ, client)
             self.send(client, b"")
+
+    def _is_stranger(self, port: int) -> bool:
+        """Return whether a port is of a process that was not given the URL.
+
+        One that proc(5) does not show, as in a container, is taken for a program's.
+        """
+        ends = f"{port:04X} 0100007F:{self._listener.getsockname()[1]:04X} "
+        rows = (row for row in _texts("/proc/net/tcp")[0].splitlines() if ends in row)
+        sockets = {f"socket:[{row.split()[9]}]" for row in rows}
+        pids = {pid for pid, target in open_files() if target in sockets} if sockets else set()
+        texts = chain.from_iterable(
+            _texts(f"/proc/{pid}/environ", f"/proc/{pid}/cmdline") for pid in pids
+        )
+        is_given = os.getpid() in pids or any(self.url in text for text in texts)
+        return bool(pids) and not is_given
 
     def _read(self, client: Client) -> Iterator[Published]:
         try:

@@ -25,6 +25,10 @@ made_options = together(force_option, json_option)
 stamp_option = flag(
     "--by-stamp", help="Use the times in the messages, instead of those of recording."
 )
+values_options = together(
+    option("--type", "type_", metavar="TYPE", help="The type of the values in a CSV file."),
+    option("--as", "topic", metavar="TOPIC", help="The topic of a CSV file, or of JSON lines."),
+)
 topics_option = option(
     "-t",
     "--topics",

@@ -17,6 +17,7 @@ from lcmtools.cli.bag.common import (
     refuse_no_files,
     stamp_option,
     topics_option,
+    values_options,
     window_options,
 )
 from lcmtools.cli.bus import chosen_url
@@ -44,6 +45,7 @@ def _rate(value: str | float) -> float:
     "bag play ride.lcmlog --ns /replay --rate 2 --start 1m",
     "bag play ride.lcmlog -t '/husky0/**' -x /husky0/cmd_vel --clock",
     "bag play front.lcmlog rear.lcmlog --start end-30s --loop",
+    "bag play odometry.csv --type nav_msgs/Odometry --as /odometry",
 )
 @argument("files", nargs=-1, required=True, metavar="FILE...", completer="files")
 @option(
@@ -60,6 +62,7 @@ def _rate(value: str | float) -> float:
 @topics_option
 @exclude_option
 @stamp_option
+@values_options
 @flag("--clock", help="Publish the log's time on /clock, for nodes on simulated time.")
 @flag(
     "-w",
@@ -82,6 +85,8 @@ def command(
     wanted: tuple[str, ...],
     excluded: tuple[str, ...],
     by_stamp: bool,
+    type_: str | None,
+    topic: str | None,
     clock: bool,
     wait_subscribers: bool,
     most_gap: float | None,
@@ -91,10 +96,11 @@ def command(
 ) -> None:
     """Publish the messages of logs again, with their original timing.
 
-    Several logs are merged by time. Payloads are sent as they are. --ns /replay puts all topics
-    below /replay, A:=B plays topic A on B. A time is 10s (after the start of the log), end-1m,
-    12:30:05 or '2026-11-22 12:30:05'. Recorded announcements of nodes are never played, and other
-    hidden topics only if they are named.
+    Several logs are merged by time; JSON lines and values, as bag export writes them, are logs,
+    too. Payloads are sent as they are. --ns /replay puts all topics below /replay, A:=B plays topic
+    A on B. A time is 10s (after the start of the log), end-1m, 12:30:05 or '2026-11-22 12:30:05'.
+    Recorded announcements of nodes are never played, and other hidden topics only if they are
+    named.
 
     Nothing is played if another program publishes on one of the topics, or if a robot would obey
     one: a node that subscribes to commands, or a simulator. --force plays anyway; at a pause and at
@@ -125,7 +131,7 @@ def command(
     )
     with (
         StatusLine("lcmtools bag play", is_quiet=quiet) as line,
-        stamps.by_stamp(files, wanted=by_stamp) as paths,
+        stamps.by_stamp(files, type_, topic, wanted=by_stamp) as paths,
     ):
         show = _position_shower(line)
         result = play(paths, chosen_url(), choice, manner, notify=line.write_note, on_position=show)

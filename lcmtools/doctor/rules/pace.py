@@ -79,6 +79,8 @@ class _Pace:  # a publisher's messages during the look, and its usual rate
         "stopped-programs": "The following programs are stopped: they send and receive nothing:",
     },
     facts={
+        "ended-stream": "{publisher}, which has ended: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz"
+        " before",
         "process": "{process} (pid {process.pid})",
         "silent-node": "{publisher}: {topic}, the last of {messages} messages {seconds:.0f} s ago",
         "silent-stream": "{publisher}: {topic}, {seconds:.1f} s ago, {rate:.3g} Hz before",
@@ -121,17 +123,24 @@ def _silent(evidence: Evidence) -> Iterator[tuple[str, Observed, str, str, float
     for stream in _wanted_streams(evidence):
         interval = usual_interval(stream)
         # the last time is unknown if wtf was too slow or the list of times is full
-        if interval and not (stream.is_cut or stream.has_ended or evidence.own_drops):
+        if interval and not (stream.is_cut or _is_over(stream, evidence) or evidence.own_drops):
             age = (evidence.graph.time - stream.times[-1]) / 1e9
             is_late = age * _BLAME > evidence.processor_wait
             gap = max(later - earlier for earlier, later in pairwise(stream.times)) / 1e9
             if is_late and age > max(_PERIODS * interval, _LATE * gap, 0.5):
-                rate_was = {"rate": 1 / interval}
-                yield "silent-stream", stream, stream.name, stream.channel, age, rate_was
+                kind = "ended-stream" if stream.has_ended else "silent-stream"
+                yield kind, stream, stream.name, stream.channel, age, {"rate": 1 / interval}
     for pace in _remembered(evidence):
         if pace.age is not None and pace.age > max(_PERIODS / pace.usual, _LATE * pace.gap, 0.5):
             rate_was = {"rate": pace.usual}
             yield "silent-stream", pace.publisher, pace.name, pace.topic, pace.age, rate_was
+
+
+def _is_over(stream: Stream, evidence: Evidence) -> bool:
+    """Return whether a stream has ended in order: its node left, or its program runs anew."""
+    others = sum(one.channel == stream.channel for one in evidence.streams) - 1
+    known = (*evidence.before.nodes, *evidence.graph.nodes)
+    return stream.has_ended and (bool(others) or any(node.name == stream.name for node in known))
 
 
 def _stopped(evidence: Evidence) -> Iterator[Finding]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Statement, finding, rule, state, subject
-from lcmtools.doctor.renaming import REMAPS, NearNames, give_reason, remap_argument, start_with
+from lcmtools.doctor.renaming import REMAPS, give_reason, near_names, remap_argument, start_with
 from lcmtools.doctor.rules.shared import END_OR_REMAP
 from lcmtools.graph.model import Node, Role
 from lcmtools.names import base_name_of, is_hidden
@@ -65,6 +65,6 @@ def _separation(evidence: Evidence, service: str, nodes: list[Node]) -> Statemen
 def _connection_remedy(node: Node, service: str, offered: list[str]) -> Statement:
     """Return a remap to a service of a similar name, or of the same name in another namespace."""
     meant = [one for one in offered if base_name_of(one) == base_name_of(service)]
-    for other in (*meant, *NearNames(offered).of(service)):
+    for other in (*meant, *near_names(service, offered)):
         return give_reason(start_with(node, service, other), "offered", channel=other)
     return state("start-server", service=service)

@@ -119,6 +119,11 @@ class CheckedProgram(ChildProcess):
         return CheckResult(what, wanted, measured, is_ok=False, hint=hint, cause=SILENT)
 
 
+def own_path() -> str:
+    """Return where programs are searched: beside this Python first."""
+    return os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
+
+
 def own_command() -> list[str]:
     """Return the command line of the lcmtools that runs now.
 

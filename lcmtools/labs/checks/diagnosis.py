@@ -9,7 +9,8 @@ import re
 import signal
 from collections.abc import Mapping, Sequence
 
-from lcmtools.doctor.renaming import are_near
+from lcmtools.doctor.renaming import resembles, unapplied_remap
+from lcmtools.graph.model import Node
 from lcmtools.labs.catalogue import LabProgram
 from lcmtools.labs.checks.observations import (
     BusLook,
@@ -244,11 +245,7 @@ def _not_publishing(look: BusLook, wanted: Sequence[str], hint: str) -> Cause | 
 
 
 def _is_near(topic: str, wanted: Sequence[str]) -> bool:
-    return any(
-        are_near(topic, name) or are_near(base_name_of(topic), base_name_of(name))
-        or base_name_of(topic) == base_name_of(name)
-        for name in wanted
-    )  # fmt: skip
+    return any(resembles(topic, name) for name in wanted)
 
 
 def _renaming(look: BusLook, program: LabProgram, old: str, new: str) -> str:
@@ -268,7 +265,8 @@ def _renaming(look: BusLook, program: LabProgram, old: str, new: str) -> str:
 
 def _without_slash(program: LabProgram, space: str, topic: str, name: str) -> str:
     """Return the remedy for a name that begins with "/" in a program with a namespace."""
-    remap = next((one for one in program.arguments if f"/{one}".startswith(f"{topic}:=")), "")
+    node = Node(f"{space}/node", "", "", 0, command=" ".join(program.arguments))
+    remap, _ = unapplied_remap(node, topic)
     given = (
         f"neither __ns:={space} nor {remap} applies" if remap else f"__ns:={space} does not apply"
     )

@@ -7,7 +7,6 @@ folder.
 import contextlib
 import os
 import socket
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -20,7 +19,7 @@ from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.bus_look import look_at_bus
-from lcmtools.labs.checks.checked_programs import CheckedProgram
+from lcmtools.labs.checks.checked_programs import CheckedProgram, own_path
 from lcmtools.labs.checks.diagnosis import LASTING, cause_of, velocity_of
 from lcmtools.labs.checks.driving_keys import text_of
 from lcmtools.labs.checks.observations import BusLook, Observations, last_words
@@ -304,8 +303,7 @@ class TestBench:
     def _environment(self) -> dict[str, str]:
         """Return a program's environment: this bus, this Python first, unbuffered output."""
         here = {name: text for name, text in os.environ.items() if name not in _OTHER_BUSES}
-        path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-        ours = {"LCM_DEFAULT_URL": self._url, "PATH": path, "PYTHONUNBUFFERED": "1"}
+        ours = {"LCM_DEFAULT_URL": self._url, "PATH": own_path(), "PYTHONUNBUFFERED": "1"}
         return {**here, **ours, "NO_COLOR": "1", "TERM": "xterm"}
 
 

@@ -4,4 +4,13 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .ControllerEvaluationStat import ControllerEvaluationStat as ControllerEvaluationStat
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .ControllerEvaluationStat import ControllerEvaluationStat as ControllerEvaluationStat
+
+__all__ = ['ControllerEvaluationStat']
+sys.modules[__name__].__class__ = LazyPackage

@@ -4,5 +4,14 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Duration import Duration as Duration
-from .Time import Time as Time
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Duration import Duration as Duration
+    from .Time import Time as Time
+
+__all__ = ['Duration', 'Time']
+sys.modules[__name__].__class__ = LazyPackage

@@ -4,6 +4,15 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .DiagnosticArray import DiagnosticArray as DiagnosticArray
-from .DiagnosticStatus import DiagnosticStatus as DiagnosticStatus
-from .KeyValue import KeyValue as KeyValue
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .DiagnosticArray import DiagnosticArray as DiagnosticArray
+    from .DiagnosticStatus import DiagnosticStatus as DiagnosticStatus
+    from .KeyValue import KeyValue as KeyValue
+
+__all__ = ['DiagnosticArray', 'DiagnosticStatus', 'KeyValue']
+sys.modules[__name__].__class__ = LazyPackage

@@ -4,5 +4,14 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .ContactState import ContactState as ContactState
-from .ContactsState import ContactsState as ContactsState
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .ContactState import ContactState as ContactState
+    from .ContactsState import ContactsState as ContactsState
+
+__all__ = ['ContactState', 'ContactsState']
+sys.modules[__name__].__class__ = LazyPackage

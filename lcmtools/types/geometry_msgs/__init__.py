@@ -4,32 +4,41 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Accel import Accel as Accel
-from .AccelStamped import AccelStamped as AccelStamped
-from .AccelWithCovariance import AccelWithCovariance as AccelWithCovariance
-from .AccelWithCovarianceStamped import AccelWithCovarianceStamped as AccelWithCovarianceStamped
-from .Inertia import Inertia as Inertia
-from .InertiaStamped import InertiaStamped as InertiaStamped
-from .Point import Point as Point
-from .Point32 import Point32 as Point32
-from .PointStamped import PointStamped as PointStamped
-from .Polygon import Polygon as Polygon
-from .PolygonStamped import PolygonStamped as PolygonStamped
-from .Pose import Pose as Pose
-from .Pose2D import Pose2D as Pose2D
-from .PoseArray import PoseArray as PoseArray
-from .PoseStamped import PoseStamped as PoseStamped
-from .PoseWithCovariance import PoseWithCovariance as PoseWithCovariance
-from .PoseWithCovarianceStamped import PoseWithCovarianceStamped as PoseWithCovarianceStamped
-from .Quaternion import Quaternion as Quaternion
-from .QuaternionStamped import QuaternionStamped as QuaternionStamped
-from .Transform import Transform as Transform
-from .TransformStamped import TransformStamped as TransformStamped
-from .Twist import Twist as Twist
-from .TwistStamped import TwistStamped as TwistStamped
-from .TwistWithCovariance import TwistWithCovariance as TwistWithCovariance
-from .TwistWithCovarianceStamped import TwistWithCovarianceStamped as TwistWithCovarianceStamped
-from .Vector3 import Vector3 as Vector3
-from .Vector3Stamped import Vector3Stamped as Vector3Stamped
-from .Wrench import Wrench as Wrench
-from .WrenchStamped import WrenchStamped as WrenchStamped
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Accel import Accel as Accel
+    from .AccelStamped import AccelStamped as AccelStamped
+    from .AccelWithCovariance import AccelWithCovariance as AccelWithCovariance
+    from .AccelWithCovarianceStamped import AccelWithCovarianceStamped as AccelWithCovarianceStamped
+    from .Inertia import Inertia as Inertia
+    from .InertiaStamped import InertiaStamped as InertiaStamped
+    from .Point import Point as Point
+    from .Point32 import Point32 as Point32
+    from .PointStamped import PointStamped as PointStamped
+    from .Polygon import Polygon as Polygon
+    from .PolygonStamped import PolygonStamped as PolygonStamped
+    from .Pose import Pose as Pose
+    from .Pose2D import Pose2D as Pose2D
+    from .PoseArray import PoseArray as PoseArray
+    from .PoseStamped import PoseStamped as PoseStamped
+    from .PoseWithCovariance import PoseWithCovariance as PoseWithCovariance
+    from .PoseWithCovarianceStamped import PoseWithCovarianceStamped as PoseWithCovarianceStamped
+    from .Quaternion import Quaternion as Quaternion
+    from .QuaternionStamped import QuaternionStamped as QuaternionStamped
+    from .Transform import Transform as Transform
+    from .TransformStamped import TransformStamped as TransformStamped
+    from .Twist import Twist as Twist
+    from .TwistStamped import TwistStamped as TwistStamped
+    from .TwistWithCovariance import TwistWithCovariance as TwistWithCovariance
+    from .TwistWithCovarianceStamped import TwistWithCovarianceStamped as TwistWithCovarianceStamped
+    from .Vector3 import Vector3 as Vector3
+    from .Vector3Stamped import Vector3Stamped as Vector3Stamped
+    from .Wrench import Wrench as Wrench
+    from .WrenchStamped import WrenchStamped as WrenchStamped
+
+__all__ = ['Accel', 'AccelStamped', 'AccelWithCovariance', 'AccelWithCovarianceStamped', 'Inertia', 'InertiaStamped', 'Point', 'Point32', 'PointStamped', 'Polygon', 'PolygonStamped', 'Pose', 'Pose2D', 'PoseArray', 'PoseStamped', 'PoseWithCovariance', 'PoseWithCovarianceStamped', 'Quaternion', 'QuaternionStamped', 'Transform', 'TransformStamped', 'Twist', 'TwistStamped', 'TwistWithCovariance', 'TwistWithCovarianceStamped', 'Vector3', 'Vector3Stamped', 'Wrench', 'WrenchStamped']
+sys.modules[__name__].__class__ = LazyPackage

@@ -4,24 +4,33 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Announcement import Announcement as Announcement
-from .Appendable import Appendable as Appendable
-from .CallbackError import CallbackError as CallbackError
-from .Endpoint import Endpoint as Endpoint
-from .FullLine import FullLine as FullLine
-from .NodeDetails import NodeDetails as NodeDetails
-from .Observed import Observed as Observed
-from .ObservedPublisher import ObservedPublisher as ObservedPublisher
-from .Parameter import Parameter as Parameter
-from .Parameters_Request import Parameters_Request as Parameters_Request
-from .Parameters_Response import Parameters_Response as Parameters_Response
-from .Probe import Probe as Probe
-from .RelayEnd import RelayEnd as RelayEnd
-from .RelayLink import RelayLink as RelayLink
-from .RelayReport import RelayReport as RelayReport
-from .RelayStep import RelayStep as RelayStep
-from .RemoteAnnouncement import RemoteAnnouncement as RemoteAnnouncement
-from .ServiceReply import ServiceReply as ServiceReply
-from .ServiceRequest import ServiceRequest as ServiceRequest
-from .Shutdown import Shutdown as Shutdown
-from .Parameters import Parameters as Parameters
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Announcement import Announcement as Announcement
+    from .Appendable import Appendable as Appendable
+    from .CallbackError import CallbackError as CallbackError
+    from .Endpoint import Endpoint as Endpoint
+    from .FullLine import FullLine as FullLine
+    from .NodeDetails import NodeDetails as NodeDetails
+    from .Observed import Observed as Observed
+    from .ObservedPublisher import ObservedPublisher as ObservedPublisher
+    from .Parameter import Parameter as Parameter
+    from .Parameters_Request import Parameters_Request as Parameters_Request
+    from .Parameters_Response import Parameters_Response as Parameters_Response
+    from .Probe import Probe as Probe
+    from .RelayEnd import RelayEnd as RelayEnd
+    from .RelayLink import RelayLink as RelayLink
+    from .RelayReport import RelayReport as RelayReport
+    from .RelayStep import RelayStep as RelayStep
+    from .RemoteAnnouncement import RemoteAnnouncement as RemoteAnnouncement
+    from .ServiceReply import ServiceReply as ServiceReply
+    from .ServiceRequest import ServiceRequest as ServiceRequest
+    from .Shutdown import Shutdown as Shutdown
+    from .Parameters import Parameters as Parameters
+
+__all__ = ['Announcement', 'Appendable', 'CallbackError', 'Endpoint', 'FullLine', 'NodeDetails', 'Observed', 'ObservedPublisher', 'Parameter', 'Parameters_Request', 'Parameters_Response', 'Probe', 'RelayEnd', 'RelayLink', 'RelayReport', 'RelayStep', 'RemoteAnnouncement', 'ServiceReply', 'ServiceRequest', 'Shutdown', 'Parameters']
+sys.modules[__name__].__class__ = LazyPackage

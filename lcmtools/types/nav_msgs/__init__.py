@@ -4,8 +4,17 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .GridCells import GridCells as GridCells
-from .MapMetaData import MapMetaData as MapMetaData
-from .OccupancyGrid import OccupancyGrid as OccupancyGrid
-from .Odometry import Odometry as Odometry
-from .Path import Path as Path
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .GridCells import GridCells as GridCells
+    from .MapMetaData import MapMetaData as MapMetaData
+    from .OccupancyGrid import OccupancyGrid as OccupancyGrid
+    from .Odometry import Odometry as Odometry
+    from .Path import Path as Path
+
+__all__ = ['GridCells', 'MapMetaData', 'OccupancyGrid', 'Odometry', 'Path']
+sys.modules[__name__].__class__ = LazyPackage

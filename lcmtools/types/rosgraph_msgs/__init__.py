@@ -4,6 +4,15 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Clock import Clock as Clock
-from .Log import Log as Log
-from .TopicStatistics import TopicStatistics as TopicStatistics
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Clock import Clock as Clock
+    from .Log import Log as Log
+    from .TopicStatistics import TopicStatistics as TopicStatistics
+
+__all__ = ['Clock', 'Log', 'TopicStatistics']
+sys.modules[__name__].__class__ = LazyPackage

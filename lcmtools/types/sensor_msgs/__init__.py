@@ -4,30 +4,39 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .BatteryState import BatteryState as BatteryState
-from .CameraInfo import CameraInfo as CameraInfo
-from .ChannelFloat32 import ChannelFloat32 as ChannelFloat32
-from .CompressedImage import CompressedImage as CompressedImage
-from .FluidPressure import FluidPressure as FluidPressure
-from .Illuminance import Illuminance as Illuminance
-from .Image import Image as Image
-from .Imu import Imu as Imu
-from .JointState import JointState as JointState
-from .Joy import Joy as Joy
-from .JoyFeedback import JoyFeedback as JoyFeedback
-from .JoyFeedbackArray import JoyFeedbackArray as JoyFeedbackArray
-from .LaserEcho import LaserEcho as LaserEcho
-from .LaserScan import LaserScan as LaserScan
-from .MagneticField import MagneticField as MagneticField
-from .MultiDOFJointState import MultiDOFJointState as MultiDOFJointState
-from .MultiEchoLaserScan import MultiEchoLaserScan as MultiEchoLaserScan
-from .NavSatFix import NavSatFix as NavSatFix
-from .NavSatStatus import NavSatStatus as NavSatStatus
-from .PointCloud import PointCloud as PointCloud
-from .PointCloud2 import PointCloud2 as PointCloud2
-from .PointField import PointField as PointField
-from .Range import Range as Range
-from .RegionOfInterest import RegionOfInterest as RegionOfInterest
-from .RelativeHumidity import RelativeHumidity as RelativeHumidity
-from .Temperature import Temperature as Temperature
-from .TimeReference import TimeReference as TimeReference
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .BatteryState import BatteryState as BatteryState
+    from .CameraInfo import CameraInfo as CameraInfo
+    from .ChannelFloat32 import ChannelFloat32 as ChannelFloat32
+    from .CompressedImage import CompressedImage as CompressedImage
+    from .FluidPressure import FluidPressure as FluidPressure
+    from .Illuminance import Illuminance as Illuminance
+    from .Image import Image as Image
+    from .Imu import Imu as Imu
+    from .JointState import JointState as JointState
+    from .Joy import Joy as Joy
+    from .JoyFeedback import JoyFeedback as JoyFeedback
+    from .JoyFeedbackArray import JoyFeedbackArray as JoyFeedbackArray
+    from .LaserEcho import LaserEcho as LaserEcho
+    from .LaserScan import LaserScan as LaserScan
+    from .MagneticField import MagneticField as MagneticField
+    from .MultiDOFJointState import MultiDOFJointState as MultiDOFJointState
+    from .MultiEchoLaserScan import MultiEchoLaserScan as MultiEchoLaserScan
+    from .NavSatFix import NavSatFix as NavSatFix
+    from .NavSatStatus import NavSatStatus as NavSatStatus
+    from .PointCloud import PointCloud as PointCloud
+    from .PointCloud2 import PointCloud2 as PointCloud2
+    from .PointField import PointField as PointField
+    from .Range import Range as Range
+    from .RegionOfInterest import RegionOfInterest as RegionOfInterest
+    from .RelativeHumidity import RelativeHumidity as RelativeHumidity
+    from .Temperature import Temperature as Temperature
+    from .TimeReference import TimeReference as TimeReference
+
+__all__ = ['BatteryState', 'CameraInfo', 'ChannelFloat32', 'CompressedImage', 'FluidPressure', 'Illuminance', 'Image', 'Imu', 'JointState', 'Joy', 'JoyFeedback', 'JoyFeedbackArray', 'LaserEcho', 'LaserScan', 'MagneticField', 'MultiDOFJointState', 'MultiEchoLaserScan', 'NavSatFix', 'NavSatStatus', 'PointCloud', 'PointCloud2', 'PointField', 'Range', 'RegionOfInterest', 'RelativeHumidity', 'Temperature', 'TimeReference']
+sys.modules[__name__].__class__ = LazyPackage

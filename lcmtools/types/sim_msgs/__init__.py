@@ -4,24 +4,33 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Delete_Request import Delete_Request as Delete_Request
-from .Delete_Response import Delete_Response as Delete_Response
-from .GetState_Request import GetState_Request as GetState_Request
-from .GetState_Response import GetState_Response as GetState_Response
-from .SetPose_Request import SetPose_Request as SetPose_Request
-from .SetPose_Response import SetPose_Response as SetPose_Response
-from .SetRate_Request import SetRate_Request as SetRate_Request
-from .SetRate_Response import SetRate_Response as SetRate_Response
-from .Snapshot_Request import Snapshot_Request as Snapshot_Request
-from .Snapshot_Response import Snapshot_Response as Snapshot_Response
-from .Spawn_Request import Spawn_Request as Spawn_Request
-from .Spawn_Response import Spawn_Response as Spawn_Response
-from .Step_Request import Step_Request as Step_Request
-from .Step_Response import Step_Response as Step_Response
-from .Delete import Delete as Delete
-from .GetState import GetState as GetState
-from .SetPose import SetPose as SetPose
-from .SetRate import SetRate as SetRate
-from .Snapshot import Snapshot as Snapshot
-from .Spawn import Spawn as Spawn
-from .Step import Step as Step
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Delete_Request import Delete_Request as Delete_Request
+    from .Delete_Response import Delete_Response as Delete_Response
+    from .GetState_Request import GetState_Request as GetState_Request
+    from .GetState_Response import GetState_Response as GetState_Response
+    from .SetPose_Request import SetPose_Request as SetPose_Request
+    from .SetPose_Response import SetPose_Response as SetPose_Response
+    from .SetRate_Request import SetRate_Request as SetRate_Request
+    from .SetRate_Response import SetRate_Response as SetRate_Response
+    from .Snapshot_Request import Snapshot_Request as Snapshot_Request
+    from .Snapshot_Response import Snapshot_Response as Snapshot_Response
+    from .Spawn_Request import Spawn_Request as Spawn_Request
+    from .Spawn_Response import Spawn_Response as Spawn_Response
+    from .Step_Request import Step_Request as Step_Request
+    from .Step_Response import Step_Response as Step_Response
+    from .Delete import Delete as Delete
+    from .GetState import GetState as GetState
+    from .SetPose import SetPose as SetPose
+    from .SetRate import SetRate as SetRate
+    from .Snapshot import Snapshot as Snapshot
+    from .Spawn import Spawn as Spawn
+    from .Step import Step as Step
+
+__all__ = ['Delete_Request', 'Delete_Response', 'GetState_Request', 'GetState_Response', 'SetPose_Request', 'SetPose_Response', 'SetRate_Request', 'SetRate_Response', 'Snapshot_Request', 'Snapshot_Response', 'Spawn_Request', 'Spawn_Response', 'Step_Request', 'Step_Response', 'Delete', 'GetState', 'SetPose', 'SetRate', 'Snapshot', 'Spawn', 'Step']
+sys.modules[__name__].__class__ = LazyPackage

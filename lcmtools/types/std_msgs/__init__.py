@@ -4,35 +4,44 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Bool import Bool as Bool
-from .Byte import Byte as Byte
-from .ByteMultiArray import ByteMultiArray as ByteMultiArray
-from .Char import Char as Char
-from .ColorRGBA import ColorRGBA as ColorRGBA
-from .Duration import Duration as Duration
-from .Empty import Empty as Empty
-from .Float32 import Float32 as Float32
-from .Float32MultiArray import Float32MultiArray as Float32MultiArray
-from .Float64 import Float64 as Float64
-from .Float64MultiArray import Float64MultiArray as Float64MultiArray
-from .Header import Header as Header
-from .Int16 import Int16 as Int16
-from .Int16MultiArray import Int16MultiArray as Int16MultiArray
-from .Int32 import Int32 as Int32
-from .Int32MultiArray import Int32MultiArray as Int32MultiArray
-from .Int64 import Int64 as Int64
-from .Int64MultiArray import Int64MultiArray as Int64MultiArray
-from .Int8 import Int8 as Int8
-from .Int8MultiArray import Int8MultiArray as Int8MultiArray
-from .MultiArrayDimension import MultiArrayDimension as MultiArrayDimension
-from .MultiArrayLayout import MultiArrayLayout as MultiArrayLayout
-from .String import String as String
-from .Time import Time as Time
-from .UInt16 import UInt16 as UInt16
-from .UInt16MultiArray import UInt16MultiArray as UInt16MultiArray
-from .UInt32 import UInt32 as UInt32
-from .UInt32MultiArray import UInt32MultiArray as UInt32MultiArray
-from .UInt64 import UInt64 as UInt64
-from .UInt64MultiArray import UInt64MultiArray as UInt64MultiArray
-from .UInt8 import UInt8 as UInt8
-from .UInt8MultiArray import UInt8MultiArray as UInt8MultiArray
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Bool import Bool as Bool
+    from .Byte import Byte as Byte
+    from .ByteMultiArray import ByteMultiArray as ByteMultiArray
+    from .Char import Char as Char
+    from .ColorRGBA import ColorRGBA as ColorRGBA
+    from .Duration import Duration as Duration
+    from .Empty import Empty as Empty
+    from .Float32 import Float32 as Float32
+    from .Float32MultiArray import Float32MultiArray as Float32MultiArray
+    from .Float64 import Float64 as Float64
+    from .Float64MultiArray import Float64MultiArray as Float64MultiArray
+    from .Header import Header as Header
+    from .Int16 import Int16 as Int16
+    from .Int16MultiArray import Int16MultiArray as Int16MultiArray
+    from .Int32 import Int32 as Int32
+    from .Int32MultiArray import Int32MultiArray as Int32MultiArray
+    from .Int64 import Int64 as Int64
+    from .Int64MultiArray import Int64MultiArray as Int64MultiArray
+    from .Int8 import Int8 as Int8
+    from .Int8MultiArray import Int8MultiArray as Int8MultiArray
+    from .MultiArrayDimension import MultiArrayDimension as MultiArrayDimension
+    from .MultiArrayLayout import MultiArrayLayout as MultiArrayLayout
+    from .String import String as String
+    from .Time import Time as Time
+    from .UInt16 import UInt16 as UInt16
+    from .UInt16MultiArray import UInt16MultiArray as UInt16MultiArray
+    from .UInt32 import UInt32 as UInt32
+    from .UInt32MultiArray import UInt32MultiArray as UInt32MultiArray
+    from .UInt64 import UInt64 as UInt64
+    from .UInt64MultiArray import UInt64MultiArray as UInt64MultiArray
+    from .UInt8 import UInt8 as UInt8
+    from .UInt8MultiArray import UInt8MultiArray as UInt8MultiArray
+
+__all__ = ['Bool', 'Byte', 'ByteMultiArray', 'Char', 'ColorRGBA', 'Duration', 'Empty', 'Float32', 'Float32MultiArray', 'Float64', 'Float64MultiArray', 'Header', 'Int16', 'Int16MultiArray', 'Int32', 'Int32MultiArray', 'Int64', 'Int64MultiArray', 'Int8', 'Int8MultiArray', 'MultiArrayDimension', 'MultiArrayLayout', 'String', 'Time', 'UInt16', 'UInt16MultiArray', 'UInt32', 'UInt32MultiArray', 'UInt64', 'UInt64MultiArray', 'UInt8', 'UInt8MultiArray']
+sys.modules[__name__].__class__ = LazyPackage

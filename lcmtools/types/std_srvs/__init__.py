@@ -4,12 +4,21 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Empty_Request import Empty_Request as Empty_Request
-from .Empty_Response import Empty_Response as Empty_Response
-from .SetBool_Request import SetBool_Request as SetBool_Request
-from .SetBool_Response import SetBool_Response as SetBool_Response
-from .Trigger_Request import Trigger_Request as Trigger_Request
-from .Trigger_Response import Trigger_Response as Trigger_Response
-from .Empty import Empty as Empty
-from .SetBool import SetBool as SetBool
-from .Trigger import Trigger as Trigger
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Empty_Request import Empty_Request as Empty_Request
+    from .Empty_Response import Empty_Response as Empty_Response
+    from .SetBool_Request import SetBool_Request as SetBool_Request
+    from .SetBool_Response import SetBool_Response as SetBool_Response
+    from .Trigger_Request import Trigger_Request as Trigger_Request
+    from .Trigger_Response import Trigger_Response as Trigger_Response
+    from .Empty import Empty as Empty
+    from .SetBool import SetBool as SetBool
+    from .Trigger import Trigger as Trigger
+
+__all__ = ['Empty_Request', 'Empty_Response', 'SetBool_Request', 'SetBool_Response', 'Trigger_Request', 'Trigger_Response', 'Empty', 'SetBool', 'Trigger']
+sys.modules[__name__].__class__ = LazyPackage

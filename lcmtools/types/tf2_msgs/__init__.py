@@ -4,5 +4,14 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .TF2Error import TF2Error as TF2Error
-from .TFMessage import TFMessage as TFMessage
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .TF2Error import TF2Error as TF2Error
+    from .TFMessage import TFMessage as TFMessage
+
+__all__ = ['TF2Error', 'TFMessage']
+sys.modules[__name__].__class__ = LazyPackage

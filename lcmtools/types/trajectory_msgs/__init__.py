@@ -4,7 +4,16 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .JointTrajectory import JointTrajectory as JointTrajectory
-from .JointTrajectoryPoint import JointTrajectoryPoint as JointTrajectoryPoint
-from .MultiDOFJointTrajectory import MultiDOFJointTrajectory as MultiDOFJointTrajectory
-from .MultiDOFJointTrajectoryPoint import MultiDOFJointTrajectoryPoint as MultiDOFJointTrajectoryPoint
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .JointTrajectory import JointTrajectory as JointTrajectory
+    from .JointTrajectoryPoint import JointTrajectoryPoint as JointTrajectoryPoint
+    from .MultiDOFJointTrajectory import MultiDOFJointTrajectory as MultiDOFJointTrajectory
+    from .MultiDOFJointTrajectoryPoint import MultiDOFJointTrajectoryPoint as MultiDOFJointTrajectoryPoint
+
+__all__ = ['JointTrajectory', 'JointTrajectoryPoint', 'MultiDOFJointTrajectory', 'MultiDOFJointTrajectoryPoint']
+sys.modules[__name__].__class__ = LazyPackage

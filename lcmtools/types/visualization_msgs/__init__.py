@@ -4,5 +4,14 @@ DO NOT MODIFY BY HAND!!!!
 lcm-gen 1.5.3
 """
 
-from .Marker import Marker as Marker
-from .MarkerArray import MarkerArray as MarkerArray
+import sys
+
+from lcmtools.message_value import LazyPackage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from .Marker import Marker as Marker
+    from .MarkerArray import MarkerArray as MarkerArray
+
+__all__ = ['Marker', 'MarkerArray']
+sys.modules[__name__].__class__ = LazyPackage

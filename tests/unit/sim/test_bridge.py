@@ -107,7 +107,8 @@ class FakeRobot:
 
     def command(self, message):
         """Keep what it asks for."""
-        self.targets = interpret(message, HUSKY)
+        self.targets, reduced = interpret(message, HUSKY)
+        return reduced
 
 
 class FakeSimulation:
