@@ -42,31 +42,36 @@ class Coder:
     """The functions of one type; they leave out the fingerprint."""
 
     def __init__(self, cls: type[Message]) -> None:
-        self._source = Source(cls, coder)
+        self._cls = cls
         self.fingerprint = fingerprint(cls).to_bytes(8, "big")
         """The first 8 bytes of a payload."""
 
     @cached_property
     def write(self) -> Write:
         """The encoder."""
-        return self._source.function("write(m0)", _Writing(self._source).statements())
+        source = self._source()
+        return source.function("write(m0)", _Writing(source).statements())
 
     @cached_property
     def scan(self) -> Scan:
         """The fast reader."""
-        return self._source.function("scan(data, at)", Reading(self._source).lines)
+        source = self._source()
+        return source.function("scan(data, at)", Reading(source).lines)
 
     @cached_property
     def read(self) -> Read:
         """The careful reader."""
-        lines = CarefulReading(self._source).lines
-        return self._source.function("read(cursor)", lines)
+        source = self._source()
+        return source.function("read(cursor)", CarefulReading(source).lines)
 
     @cached_property
     def read_available(self) -> Read:
         """The same for a part of the fields: those without bytes have their defaults."""
-        lines = CarefulReading(self._source, may_end=True).lines
-        return self._source.function("read(cursor)", lines)
+        source = self._source()
+        return source.function("read(cursor)", CarefulReading(source, may_end=True).lines)
+
+    def _source(self) -> Source:
+        return Source(self._cls, coder)  # of each function, as threads may compile several at once
 
 
 @cache

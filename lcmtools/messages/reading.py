@@ -275,9 +275,8 @@ class Reading:
 
     def _add_message(self, _: Leaf, cls: type[Message], target: str) -> None:
         if is_bounded(cls):
-            self._add(
-                f"{target}, end = {self._source.name('scan', self._source.of(cls).scan)}(data, end)"
-            )
+            inner = self._source.name("coder", self._source.of(cls))  # compiled when it is needed
+            self._add(f"{target}, end = {inner}.scan(data, end)")
         else:
             self._add("raise malformed")
 

@@ -8,6 +8,7 @@ from fixtures.says import assert_says, raises_saying
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
+from lcmtools.messages.coder import Coder
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs, trajectory_msgs
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.tf2_msgs import TFMessage
@@ -314,3 +315,9 @@ def test_a_message_that_contains_itself_is_refused(odd):
 def test_what_is_no_message_is_refused():
     with raises_saying(ValueMismatch, "str: expected a message", "'hello'"):
         encode("hello")
+
+
+def test_functions_share_no_names_as_threads_may_compile_them_at_once():
+    own = Coder(Odometry)
+    functions = own.write, own.scan, own.read, own.read_available
+    assert len({id(one.__globals__) for one in functions}) == len(functions)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import pytest
 from fixtures.limits import cpu_limit
 
+from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Registry, fingerprint
 from lcmtools.packages.expansion import DEEPEST, MOST_FIELDS, Expansion, TooManyFields
 from lcmtools.packages.placed_type import comments
@@ -67,6 +68,20 @@ def test_fingerprints_are_those_of_lcm_gen(depth, write, types_of):
     recursive = kind._get_hash_recursive([])
     assert fingerprint(kind) == recursive == near(types).fingerprints[f"boom/T{depth}"]
     assert kind().encode()[:8] == struct.pack(">Q", recursive)
+
+
+def test_types_of_a_hundred_levels_are_decoded_below_other_calls(write, types_of):
+    types = types_of(write({"boom.lcm": doubled(DEEPEST - 1, "int32_t n; T{0} a[n];")}))
+    known = Registry([], lambda: types)
+    message = known.message_class("boom/T0")(x=3)
+    for level in range(1, DEEPEST):
+        message = known.message_class(f"boom/T{level}")(a=[message])
+    payload = encode(message)
+
+    def decoded(calls):
+        return decoded(calls - 1) if calls else decode(type(message), payload)
+
+    assert encode(decoded(400)) == payload
 
 
 def test_a_type_with_too_many_elements_is_refused(write, types_of):
