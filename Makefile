@@ -1,6 +1,7 @@
 # make demo       a virtual environment, the installation, and the Husky lab as a script
 # make test       the same environment, and the tests that a change should pass at once
 # make test-slow  the faults suite, the labs, every block of the documents, several hosts, programs of others
+# make test-root  what only root can do, where the others were run as an ordinary user
 # make docs       docs/wtf.md and docs/commands.md, from the rules of wtf and the commands
 # make man        the man pages, into build/man; a built wheel has them
 # make bench      what is measured, beside its anchor and its goal, in one table
@@ -23,7 +24,7 @@ TIMED = $(shell grep -rl mark.timing $(PURE) $(LIVE))
 SLOW := $(addprefix tests/,faults labs docs hosts interop gui cpp endure)
 SOURCES := lcmtools sim tests bench lcm_types hatch_build.py docs/man_pages.py docs/wtf_page.py docs/commands_page.py docs/ros_equivalents.py
 
-.PHONY: demo test pure live test-slow check javascript commands types docs man format bench clean
+.PHONY: demo test pure live test-slow test-root check javascript commands types docs man format bench clean
 
 demo: $(VENV)/.installed
 	@echo "Running the Husky lab as a script, without a window: about a minute"
@@ -50,6 +51,10 @@ live: $(VENV)/.installed-dev
 test-slow: $(VENV)/.installed-dev
 	$(BIN)/pytest -n $(SLOW_JOBS) --dist worksteal $(SLOW) $(ARGS)
 	LCMTOOLS_ENGINE=mujoco $(BIN)/pytest -n $(SLOW_JOBS) --dist worksteal tests/physics $(ARGS)
+
+# what only root can do: networks and hosts of a test's own
+test-root: $(VENV)/.installed-dev
+	$(BIN)/pytest -n $(SLOW_JOBS) --dist worksteal -m root tests $(ARGS)
 
 check: $(VENV)/.installed-dev
 	$(BIN)/python lcm_types/generate.py --check

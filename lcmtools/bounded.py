@@ -9,14 +9,15 @@ K = TypeVar("K")
 V = TypeVar("V")
 
 
-_MOST_COUNTED = 10_000  # channels
+MOST_ENTRIES = 4000
+"""The most entries of a table, if its kind of entries needs no other bound."""
 
 
 def count(counts: Counter[str], channel: str) -> None:
-    """Count a message of a channel; forget all counts if there are too many channels."""
-    if len(counts) > _MOST_COUNTED:
-        counts.clear()
-    counts[channel] += 1
+    """Count a message of a channel; of too many, forget the channel that was silent longest."""
+    counts[channel] = counts.pop(channel, 0) + 1
+    if len(counts) > MOST_ENTRIES:
+        del counts[next(iter(counts))]
 
 
 class BoundedDict(MutableMapping[K, V]):
@@ -30,7 +31,7 @@ class BoundedDict(MutableMapping[K, V]):
         most_bytes: The most bytes of all entries together, by the sizes given to ``put``.
     """
 
-    def __init__(self, most: int, most_bytes: float = math.inf) -> None:
+    def __init__(self, most: int = MOST_ENTRIES, most_bytes: float = math.inf) -> None:
         self._most, self._most_bytes = most, most_bytes
         self.forgotten = 0  # number of entries that were dropped
         self._entries: OrderedDict[K, V] = OrderedDict()

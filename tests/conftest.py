@@ -3,6 +3,7 @@
 Nothing here waits for luck: every wait has a condition and a deadline.
 """
 
+import functools
 import itertools
 import os
 import signal
@@ -20,6 +21,10 @@ from fixtures import networks
 from fixtures.command import call
 from fixtures.nodes import LiveNode
 from fixtures.programs import Program, Stopwatch
+
+from lcmtools.bus.multicast import check_multicast, check_route
+from lcmtools.bus.url import parse_url
+from lcmtools.errors import BusError
 
 COMMAND = str(Path(sysconfig.get_path("scripts")) / "lcmtools")
 _INHERITED = (
@@ -51,6 +56,9 @@ _SECONDS = {
 }
 """About how long a test takes, by its folder; of others it is no matter."""
 _ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
+_BUSES = {"bus_url", "module_bus_url", "free_port"}
+_OWN_NETWORKS = {"bare_network", "private_network", "network", "pair", "module_pair"}
+"""Fixtures that make networks of a test's own, as only root can."""
 
 
 def pytest_configure(config):
@@ -80,12 +88,16 @@ def _go_on(number, frame):
     """Ignore a signal in such a way that no child inherits it."""
 
 
+@pytest.hookimpl(tryfirst=True)  # before -m chooses by the marks
 def pytest_collection_modifyitems(items):
     """Order tests for workers that each begin with an equal part (pytest --dist worksteal).
 
     In every part the long ones come first, so that no worker is alone with them in the end. Files
     stay together, for their tests may share what they start.
     """
+    for item in items:
+        if _OWN_NETWORKS & set(getattr(item, "fixturenames", ())):
+            item.add_marker("root")
     workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
     parts = [[] for _ in range(workers)]
     seconds = [0.0] * workers
@@ -102,6 +114,27 @@ def pytest_collection_modifyitems(items):
         part.extend(short[:room])
         del short[:room]
     items[:] = [item for part in (*parts, short) for item in part]
+
+
+def pytest_runtest_setup(item):
+    """Skip what only root or multicast can do, in one sentence for all."""
+    if item.get_closest_marker("root") and os.getuid() != 0:
+        pytest.skip("only root can do that; .ci/run as root does it")
+    names = set(getattr(item, "fixturenames", ()))
+    if names & _BUSES and not names & _OWN_NETWORKS and _no_multicast():
+        pytest.skip(_no_multicast())
+
+
+@functools.cache
+def _no_multicast():
+    """Return what the product says where multicast does not work, else ""."""
+    url = parse_url("udpm://239.255.76.67:7667?ttl=0")
+    try:
+        check_route(url)  # plain LCM programs need one, although lcmtools does not
+        check_multicast(url)
+    except BusError as error:
+        return str(error)
+    return ""
 
 
 def _folder(item):

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from lcmtools.bounded import BoundedDict
 from lcmtools.graph.builder import MOST_FLOWS
 from lcmtools.graph.model import Graph, Role
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS
 from lcmtools.names import Pattern, Resolver, has_wildcard, is_hidden
 from lcmtools.observe.reading.find import near_node, near_topic
 
@@ -81,7 +81,7 @@ class RecordedTopics:
         return channel in self._names.spellings(name)
 
     def _is_wanted(self, channel: str) -> bool:
-        if channel in TALK_CHANNELS or self._matches(channel, self._unwanted):
+        if channel in PROTOCOL_CHANNELS or self._matches(channel, self._unwanted):
             return False
         if self._is_all:
             return self._hidden or not is_hidden(channel)

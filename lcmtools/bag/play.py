@@ -29,8 +29,8 @@ from lcmtools.graph.model import Graph
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import PayloadPublisher
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.publish.own_node import own_node
 from lcmtools.publish.subscriber_wait import wait_until
+from lcmtools.publish.temporary_node import temporary_node
 from lcmtools.terminal import open_keys
 from lcmtools.types.rosgraph_msgs import Clock
 
@@ -109,7 +109,7 @@ def play(
         named = manner.typed or [*map(str, paths)]
         known, graph = _check(named, url, playlist.tracks, notify, force=manner.force)
         with (
-            own_node("play", url, in_order=True) as node,
+            temporary_node("play", url, in_order=True) as node,
             _Watch(url, playlist.tracks, node.name, known) as watch,
         ):
             session = _Session(node, playlist, manner, notify, watch)

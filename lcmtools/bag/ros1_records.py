@@ -19,6 +19,7 @@ class Topic(NamedTuple):
     name: str
     type: str
     definition: str
+    is_latched: bool
 
 
 def bound_chunks(reader: "Reader") -> None:
@@ -66,7 +67,8 @@ def _messages(
         elif kind == RecordType.CONNECTION:
             about = Header.read(BytesIO(prefix + data))
             name, text = about.get_string("type"), about.get_string("message_definition")
-            topics[header.get_uint32("conn")] = Topic(header.get_string("topic"), name, text)
+            is_latched = about.get("latching") == b"1"
+            topic = Topic(header.get_string("topic"), name, text, is_latched)
+            topics[header.get_uint32("conn")] = topic
         elif kind == RecordType.MSGDATA and len(data) == length:
-            topic = topics.get(header.get_uint32("conn"))
-            yield topic, header.get_time("time"), data
+            yield topics.get(header.get_uint32("conn")), header.get_time("time"), data

@@ -29,6 +29,8 @@ from lcmtools.bag.ros_definitions import (
 from lcmtools.bag.ros_reading import Channel, bag_messages
 from lcmtools.bag.ros_types import Conversion, RosTypes, ros_distributions, ros_name, ros_store
 from lcmtools.errors import InvalidFile, LcmtoolsError, MissingExtra, UnknownType
+from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.fields import parts as message_parts
 from lcmtools.messages.registry import (
     Message,
@@ -39,7 +41,7 @@ from lcmtools.messages.registry import (
     type_name,
 )
 from lcmtools.packages.user_types import source_file, source_text, user_types
-from lcmtools.wire.log_index import RecordedType
+from lcmtools.wire.log_index import RecordedNode, RecordedType
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -111,6 +113,7 @@ class RosImport:
 
     types: dict[str, RecordedType] = field(default_factory=dict)  # the types that were translated
     report: ImportReport = field(default_factory=ImportReport)
+    _latched: dict[str, int] = field(default_factory=dict)  # topics, with their first times
     _classes: dict[str, type[Message]] = field(default_factory=dict)
     _readers: dict[Channel, _Reader | str] = field(default_factory=dict)
 
@@ -127,6 +130,8 @@ class RosImport:
             seen.add(channel.topic)
             if topics.has(channel.topic) and (message := self._message(channel, data)):
                 count += 1
+                if channel.is_latched:
+                    self._latched.setdefault(channel.topic, time)
                 yield Imported(channel.topic, message, time)
         if seen:
             topics.check(seen, f"its topics: {', '.join(sorted(seen))}")
@@ -135,6 +140,14 @@ class RosImport:
             first, *others = self.report.losses() or [none]
             more = f" (and {len(others)} more reasons)" if others else ""
             raise InvalidFile(f"nothing is imported: {first}{more}")
+
+    def nodes(self) -> Iterator[RecordedNode]:
+        """Yield the announcement of a node that latches what the bags say was latched."""
+        ends = tuple(Endpoint(one, Role.PUBLISHER, latched=True) for one in self._latched)
+        if ends:
+            node = Node("/bag_import", "bag_import", "", 0, endpoints=ends)
+            said = encode_announcement(Announcement(node))
+            yield RecordedNode(min(self._latched.values()), -1, said)
 
     def _message(self, channel: Channel, data: bytes) -> Message | None:
         """Return a message; None if it is left out."""

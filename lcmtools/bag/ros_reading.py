@@ -31,7 +31,9 @@ _ROS_1_FORM = "ros1", "ros1msg"
 _STORAGE = re.compile(r"\.(?:db3|mcap)(?:\.zstd)?$")
 _UNKNOWN = "(a topic that the file does not name)"
 _DEFINITIONS = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
-_TOPICS = "SELECT id, name, type, serialization_format FROM topics"
+_TOPICS = "SELECT id, name, type, serialization_format, {} FROM topics"
+_QOS = "offered_qos_profiles"  # older bags do not have it
+_LATCHED = re.compile(r"durability:\s*(?:1|transient_local)\b")
 _MESSAGES = "SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp"
 
 OnDamage: TypeAlias = Callable[[str], object]  # called with a sentence on what cannot be read
@@ -45,6 +47,7 @@ class Channel(NamedTuple):
     encoding: str  # of its messages: "ros1" or "cdr", else not in a format of ROS
     form: str = ""  # of the type's definition: "ros1msg", "ros2msg", "ros2idl" or another
     definition: str = ""
+    is_latched: bool = False  # "latching" of ROS 1, "transient local" of ROS 2
 
 
 class BagMessage(NamedTuple):
@@ -122,10 +125,13 @@ def _mcap_channel(
 ) -> Channel:
     if channel is None:
         return Channel(_UNKNOWN, "", "")
+    about = channel.metadata
+    is_latched = about.get("latching") == "1" or bool(_LATCHED.search(about.get(_QOS, "")))
     if schema is None:
-        return Channel(channel.topic, "", channel.message_encoding)
+        return Channel(channel.topic, "", channel.message_encoding, is_latched=is_latched)
     text = schema.data.decode("utf-8", "replace")  # those of other encodings are binary
-    return Channel(channel.topic, schema.name, channel.message_encoding, schema.encoding, text)
+    kind = schema.name, channel.message_encoding, schema.encoding, text
+    return Channel(channel.topic, *kind, is_latched)
 
 
 def _ros_1(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
@@ -138,15 +144,17 @@ def _ros_1(path: Path, on_damage: OnDamage) -> Iterator[BagMessage]:
         on_damage(f"{path} is read without its index: {error}")
         with path.open("rb") as file:
             for topic, time, data in unindexed_messages(file):
-                name, kind, text = topic or (_UNKNOWN, "", "")
-                yield BagMessage(Channel(name, kind, *_ROS_1_FORM, text), time, data)
+                name, kind, text, is_latched = topic or (_UNKNOWN, "", "", False)
+                channel = Channel(name, kind, *_ROS_1_FORM, text, is_latched)
+                yield BagMessage(channel, time, data)
         return
     with closing(reader):
         bound_chunks(reader)
-        channels = {
-            one.id: Channel(one.topic, one.msgtype, *_ROS_1_FORM, one.msgdef.data)
-            for one in reader.connections
-        }
+        channels = {}
+        for one in reader.connections:
+            is_latched = getattr(one.ext, "latching", None) == 1
+            about = one.msgtype, *_ROS_1_FORM, one.msgdef.data
+            channels[one.id] = Channel(one.topic, *about, is_latched)
         for connection, time, data in reader.messages():
             yield BagMessage(channels[connection.id], time, data)
 
@@ -226,9 +234,17 @@ def _sqlite(file: Path) -> Iterator[BagMessage]:
             if "message_definitions" in tables
             else {}
         )
+        columns = {name for _, name, *_ in base.execute("PRAGMA table_info(topics)")}
+        topics = base.execute(_TOPICS.format(_QOS if _QOS in columns else "''"))
         channels = {
-            number: Channel(topic, kind, encoding, *definitions.get(kind, ()))
-            for number, topic, kind, encoding in base.execute(_TOPICS)
+            number: Channel(
+                topic,
+                kind,
+                encoding,
+                *definitions.get(kind, ("", "")),
+                bool(_LATCHED.search(str(qos))),
+            )
+            for number, topic, kind, encoding, qos in topics
         }
         for number, time, data in base.execute(_MESSAGES):
             yield BagMessage(channels.get(number, Channel(_UNKNOWN, "", "")), time, data)

@@ -8,8 +8,8 @@ from tempfile import TemporaryDirectory
 from lcmtools.bag.edits import in_order
 from lcmtools.bag.summary import known_nodes
 from lcmtools.bag.surgery import write_log
-from lcmtools.bag.text_import import JSON_LINES, text_packets
-from lcmtools.errors import LcmtoolsError
+from lcmtools.bag.text_import import SUFFIXES, text_packets
+from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.observe.measuring.measure import TimeReader
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.log_file import LogFile
@@ -58,17 +58,26 @@ class StampedLog:
 
 
 @contextmanager
-def by_stamp(paths: Sequence[str | Path], *, wanted: bool = True) -> Iterator[list[Path]]:
+def by_stamp(
+    paths: Sequence[str | Path],
+    type_: str | None = None,
+    topic: str | None = None,
+    *,
+    wanted: bool = True,
+) -> Iterator[list[Path]]:
     """Give the paths of copies of logs that have the times in their messages; as long as needed.
 
-    If not ``wanted``, the paths are those of the logs themselves. JSON lines become logs.
+    If not ``wanted``, the paths are those of the logs themselves. JSON lines and comma-separated
+    values, which need a type and a topic, become logs.
     """
+    if (type_ or topic) and not any(Path(one).suffix in SUFFIXES for one in paths):
+        raise UsageError("--type and --as are for .csv and .jsonl", "leave them out")
     with TemporaryDirectory(prefix="lcmtools-") as folder:
         made = []
         for number, path in enumerate(map(Path, paths)):
-            if path.suffix in JSON_LINES:
+            if path.suffix in SUFFIXES:
                 copy = Path(folder, f"{number}.{path.name}.lcmlog")
-                write_log(copy, text_packets(path), [])
+                write_log(copy, text_packets(path, type_, topic), [])
                 path = copy  # noqa: PLW2901 - a log from here on
             if not wanted:
                 made.append(path)

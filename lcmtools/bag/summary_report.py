@@ -124,6 +124,8 @@ def _cells(topic: TopicSummary) -> Sequence[str]:
 def _index_text(summary: LogSummary) -> str:
     if summary.indexed == summary.bytes:
         return "complete"
+    if summary.path == "-":
+        return "none"
     if not summary.indexed:
         return "none; lcmtools bag reindex writes one"
     return f"of the first {size_text(summary.indexed)}; lcmtools bag reindex completes it"

@@ -28,6 +28,7 @@ def write_log(  # noqa: PLR0913 - each is a separate option
     between: tuple[int, int] | None = None,
     later: int = 0,
     types: Iterable[RecordedType] = (),
+    nodes: Iterable[RecordedNode] = (),
     progress: Progress = lambda _: None,
 ) -> LogWriter:
     """Write messages into a log; return what wrote it, which knows how much that was.
@@ -41,6 +42,7 @@ def write_log(  # noqa: PLR0913 - each is a separate option
         between: The time range of the messages in the sources [ns since 1970]; None for all.
         later: The time by which messages are later than in the sources [ns].
         types: Types that the sources do not have; read after all messages have been written.
+        nodes: Announcements that the sources do not have; read then, too.
         progress: Called with the number of written bytes.
 
     Raises:
@@ -59,6 +61,8 @@ def write_log(  # noqa: PLR0913 - each is a separate option
             copier.carry_lost(source, between, later)
             copier.carry_nodes(source, change_node, later)
         writer.add_types(types)
+        for node in nodes:
+            writer.add_node(node)
     return writer
 
 

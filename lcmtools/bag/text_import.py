@@ -15,8 +15,7 @@ from lcmtools.messages.fields import Field, is_time, visible_fields
 from lcmtools.messages.registry import Message, message_class
 from lcmtools.wire.packet import Packet, Sender
 
-JSON_LINES = (".jsonl", ".ndjson")
-SUFFIXES = (*JSON_LINES, ".csv")
+SUFFIXES = (".jsonl", ".ndjson", ".csv")
 _KEYS = ("topic", "time", "type", "message")
 _MOST_TOLD = 5  # lines that are named
 

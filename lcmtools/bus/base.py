@@ -1,9 +1,10 @@
-"""The interface of a bus for nodes."""
+"""The interface of a bus for nodes, and the threads of its implementations."""
 
 import contextlib
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Protocol
+from typing import Generic, TypeVar
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
@@ -13,39 +14,48 @@ LOCKSTEP = "LCMTOOLS_LOCKSTEP"
 """The environment variable of programs that a recording is played to in lock-step; its value is the
 time at the start [ns]."""
 
+MessageT = TypeVar("MessageT")
+
 _MOST_FAULTS = 20  # different ones that are reported
+_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 Handler = Callable[[bytes, int], None]
 """Called with a payload and its time of arrival [ns since 1970]; must be quick, unless it is called
 by ``Bus.wait`` of a bus that ``runs_callbacks``."""
 
 
-class Bus(Protocol):
+Shortcut = Callable[[bytes], bool]
+"""Sends a payload; returns False if ``Bus.publish`` must do it. Raises OSError."""
+
+
+class Bus(ABC):
     """A connection to a bus."""
 
-    on_outage: Callable[[str], None]
-    """Called when the connection is lost or restored, or a thread of the bus outlives a fault."""
+    runs_callbacks = False
+    """True if handlers that ``wait`` calls may take their time: another thread takes over."""
+    overflows = 0
+    """The most datagrams that a full receive buffer can have lost; 0 if it is unknown."""
 
-    on_received: Callable[[], None]
-    """Called after handlers have run, unless on the only thread that calls ``wait``."""
-
-    @property
-    def ports(self) -> list[int]:
+    def __init__(self) -> None:
+        self.ports: list[int] = []
         """The UDP ports that messages are sent from."""
+        self.on_outage: Callable[[str], None] = lambda _: None
+        """Called when the connection is lost or restored, or a thread outlives a fault."""
+        self.on_received: Callable[[], None] = lambda: None
+        """Called after handlers have run, unless on the only thread that calls ``wait``."""
 
-    @property
-    def overflows(self) -> int:
-        """The most datagrams that a full receive buffer can have lost; 0 if it is unknown."""
-
-    def lost(self, channel: str) -> int:
+    def lost(self, _channel: str) -> int:
         """Return the number of messages on a channel that are known to have been lost."""
+        return 0
 
     def unsent(self) -> tuple[str, Mapping[str, int]]:
         """Return the address at the other end of a line that is full, "" if none is known.
 
         Also the number of messages of each channel that were never sent because of such lines.
         """
+        return "", {}
 
+    @abstractmethod
     def publish(
         self, channel: str, payload: bytes, type_name: str = "", *, latched: bool = False
     ) -> None:
@@ -67,19 +77,28 @@ class Bus(Protocol):
 
         Returns the indices of the others, which must be sent one by one. Safe from any thread.
         """
+        return range(len(messages))
 
-    def keep_order(self) -> None:
+    def shortcut(self, _channel: str) -> Shortcut:
+        """Return the shortest way to publish on a channel."""
+        return lambda _: False
+
+    def keep_order(self) -> None:  # noqa: B027 - most keep it anyway
         """Send messages in the order of ``publish`` from now on, also behind large ones."""
 
+    @abstractmethod
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
         """Call ``handler``, on the receiving thread, for each message on the channel.
 
         ``is_large`` means that messages of over 100 kB are to be expected from the first one on.
+        Raises BusError and InvalidName as ``publish``.
         """
 
+    @abstractmethod
     def unsubscribe(self, channel: str, handler: Handler) -> None:
         """Undo ``subscribe``."""
 
+    @abstractmethod
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Wait at most ``timeout`` seconds for an event or messages; clear the event.
 
@@ -87,32 +106,16 @@ class Bus(Protocol):
         Returns now and then although nothing has come.
         """
 
-    def hand_over(self) -> None:
+    def hand_over(self) -> None:  # noqa: B027
         """Receive without the threads that called ``wait``, because they will be busy for long."""
 
+    @abstractmethod
     def close(self) -> None:
         """Send waiting messages and leave the bus."""
 
+    @abstractmethod
     def leave_to_parent(self) -> None:
         """Refuse all use in a forked process, which has no receiving thread; free nothing."""
-
-
-Shortcut = Callable[[bytes], bool]
-"""Sends a payload; returns False if ``Bus.publish`` must do it. Raises OSError."""
-
-
-def runs_callbacks(bus: Bus) -> bool:
-    """Return whether handlers that ``wait`` calls may take their time: another thread takes over.
-
-    Few kinds of bus can.
-    """
-    return bool(getattr(bus, "runs_callbacks", False))
-
-
-def shortcut(bus: Bus, channel: str) -> Shortcut:
-    """Return the shortest way to publish on a channel, if the kind of bus has one."""
-    make = getattr(bus, "shortcut", None)
-    return make(channel) if make else lambda _: False
 
 
 def start_thread(run: Callable[[], None], name: str) -> threading.Thread:
@@ -160,3 +163,61 @@ def outage_texts(url: BusUrl, *, is_lost: bool) -> tuple[str, str]:
         text = f"the connection to {url} is lost; it is tried again until it is back"
         return text, text
     return f"the connection to {url} is back", ""
+
+
+class SendingThread(ABC, Generic[MessageT]):
+    """A queue of messages, and the thread that sends them so that publishers need not wait.
+
+    It starts with the first one.
+
+    The methods to implement are called by that thread. The queue is used only with ``_changed``.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._changed = threading.Condition()
+        self._closed = False
+        self._thread: threading.Thread | None = None
+
+    @abstractmethod
+    def _next(self) -> MessageT | None:
+        """Return the message to send next, None if none waits; with ``_changed``."""
+
+    @abstractmethod
+    def _send_now(self, message: MessageT) -> None:
+        """Send a message; this may take long, and must not raise."""
+
+    @abstractmethod
+    def _note_sent(self, message: MessageT) -> None:
+        """Update the queue after a message was sent; with ``_changed``."""
+
+    def close(self) -> None:
+        """Send the waiting messages, for half a second at most."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join(_FLUSH_TIMEOUT)
+
+    def _start(self) -> None:
+        """Start the thread for the first message; with ``_changed``.
+
+        Raises:
+            BusError: The system gives no more threads.
+        """
+        if self._thread is None and not self._closed:
+            self._thread = start_thread(self._run, self._name)
+
+    def _run(self) -> None:
+        while (message := self._await_next()) is not None:
+            self._send_now(message)
+            with self._changed:
+                self._note_sent(message)
+                self._changed.notify_all()
+
+    def _await_next(self) -> MessageT | None:
+        """Return the message to send next; None if it is closed and all were sent."""
+        with self._changed:
+            while (message := self._next()) is None and not self._closed:
+                self._changed.wait()
+            return message

@@ -21,7 +21,7 @@ from lcmtools.bus.kernel import (
     request_arrival,
     share_port,
 )
-from lcmtools.bus.network_watch import LOOPBACK, join, join_loopback, network_watch
+from lcmtools.bus.network_watch import LOOPBACK, TOLD, join, join_loopback, network_watch
 from lcmtools.bus.socket_filter import FilterProgram
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import wait_readable
@@ -108,10 +108,30 @@ def receiving_socket(
         if not is_brief:  # before it joins: what changes from now on is reported
             network_watch.follow(receiver, url.host)
         with _explained(url, _FEW_MEMBERSHIPS):
-            join(receiver, url.host)
+            try:
+                join(receiver, url.host)
+            except OSError as error:  # without a route, only this computer's programs are heard
+                if error.errno != errno.ENODEV or not IS_LINUX:
+                    raise
         join_loopback(receiver, url.host)
         stack.pop_all()
     return receiver
+
+
+def check_route(url: BusUrl) -> None:
+    """Make sure that there is a route to the group; raises BusError if there is none."""
+    with _explained(url), _own_socket() as probe:
+        probe.connect((url.host, url.port))  # sends nothing
+
+
+def missing_route(url: BusUrl) -> str:
+    """Return a sentence if there is no route to a bus's group; "" if there is, or no group."""
+    if url.is_multicast:
+        try:
+            check_route(url)
+        except BusError:
+            return TOLD[False].format(group=url.host)
+    return ""
 
 
 def check_multicast(url: BusUrl) -> None:
@@ -120,8 +140,6 @@ def check_multicast(url: BusUrl) -> None:
     Raises:
         BusError: It does not; the error says what to type. This takes under half a second.
     """
-    with _explained(url), _own_socket() as probe:
-        probe.connect((url.host, url.port))  # sends nothing, but fails without a route
     with receiving_socket(url, is_brief=True) as receiver, sending_socket(url) as sender:
         sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         check_loopback(url, sender, receiver)
@@ -142,7 +160,7 @@ def check_loopback(url: BusUrl, sender: socket.socket, receiver: socket.socket) 
     deadline = time.monotonic() + _LOOPBACK_TIMEOUT
     with _explained(url):
         while (left := deadline - time.monotonic()) > 0:
-            sender.sendto(_SELF_TEST, (url.host, url.port))
+            send_to_group(sender, _SELF_TEST, (url.host, url.port))
             if _receives_self_test(receiver, sender.getsockname()[1], min(left, 0.05)):
                 return
     hint = f"a firewall or the route to the group blocks it; type: {_LOOPBACK_ROUTE}"

@@ -32,10 +32,12 @@ _NEW_ROUTE, _OUTPUT, _ATTRIBUTES = 24, 4, 28  # RTM_NEWROUTE, RTA_OIF, the offse
 _ANSWER_TIME = 0.2  # [s]
 _PERIOD = 1.0  # [s] between looks where the system does not report changes
 LOOPBACK = 1  # number of Linux's loopback interface in every network namespace
-_TOLD: dict[bool, str] = {
+TOLD: dict[bool, str] = {
     True: "the network has changed: messages to {group} now go over {interface}",
-    False: "there is no route to {group}: messages reach only programs of this computer",
+    False: "there is no route to {group}: messages reach only programs of this computer; "
+    "see lcmtools wtf",
 }
+"""Sentences for whether there is a route."""
 
 
 def route_interface(group: str) -> str:
@@ -202,7 +204,7 @@ class NetworkWatch:
             now = route_interface(group)
             if now != before:
                 self._interfaces[group] = now
-                text = _TOLD[bool(now)].format(group=group, interface=now)
+                text = TOLD[bool(now)].format(group=group, interface=now)
                 for listener in tuple(self._tell):
                     with contextlib.suppress(Exception):  # a log, for example, whose reader ended
                         listener(text)

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from lcmtools.bus.multicast import check_multicast
+from lcmtools.bus.multicast import check_multicast, check_route
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.folders import opened
@@ -26,6 +26,8 @@ def check_bus(url: BusUrl) -> None:
         BusError: It cannot; the error says what to do.
     """
     if url.provider in ("udpm", "mpudpm"):
+        if url.provider == "mpudpm":  # liblcm does not send over loopback instead
+            check_route(url)
         check_multicast(url)
     elif url.provider == "tcpq":
         _check_server(url)

@@ -9,10 +9,10 @@ import contextlib
 import queue
 import threading
 import time
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 
-from lcmtools.bus.base import Faults, Handler, refusal, start_thread
+from lcmtools.bus.base import Bus, Faults, Handler, refusal, start_thread
 from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.receive_right import ReceiveRight
 from lcmtools.bus.url import BusUrl
@@ -27,25 +27,22 @@ _PAUSE = 0.1  # [s] after a fault of the system, which may last
 _REQUEST_TIMEOUT = 15.0  # [s]; more than liblcm's own ten seconds
 
 
-class ReceivingBus(ABC):
+class ReceivingBus(Bus):
     """A bus with its own receiving thread, which lends the right to receive; see ``Bus``.
 
     An implementation opens its connection, and then calls ``_start``.
     """
 
-    overflows = 0
     _send: Callable[[str, bytes], None]
     """Sends one message, on any thread; raises OSError if the system does not."""
 
     def __init__(self, url: BusUrl) -> None:
+        super().__init__()
         self.url = url
-        self.ports: list[int] = []
-        self.on_outage: Callable[[str], None] = lambda _: None
-        self.on_received: Callable[[], None] = lambda: None
         self._handlers: dict[bytes, tuple[Handler, ...]] = {}  # by encoded channel
         self._requests: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._changing = threading.Lock()  # held for changes that closing must not interrupt
-        self._faults = Faults(self._report)
+        self._faults = Faults(lambda text: self.on_outage(text))  # noqa: PLW0108 - it may change
         self._burst = 0  # times in a row that many messages waited
         self._closed = self._is_of_parent = False
 
@@ -65,7 +62,7 @@ class ReceivingBus(ABC):
         """Return whether messages wait that no descriptor tells of."""
         return False
 
-    def _prepare(self) -> None:  # noqa: B027 - most have nothing to prepare
+    def _prepare(self) -> None:
         """Prepare for bursts, on its own thread, once another thread receives for the first time.
 
         In the first burst it would be too late: each system call may wait for a callback's thread.
@@ -78,10 +75,6 @@ class ReceivingBus(ABC):
     @abstractmethod
     def _end(self, channel: str) -> None:
         """Receive a channel no more, on the receiving thread."""
-
-    def unsent(self) -> tuple[str, Mapping[str, int]]:
-        """Return nothing, because most buses know nothing of their lines (see ``Bus``)."""
-        return "", {}
 
     def publish(
         self,
@@ -102,15 +95,8 @@ class ReceivingBus(ABC):
                 raise self._refusal() from None
             raise BusError(f"cannot publish on {channel}: {error.strerror or error}") from error
 
-    def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
-        """Send none together, because one by one they cost no more (see ``Bus``)."""
-        return range(len(messages))
-
-    def keep_order(self) -> None:  # noqa: B027 - most keep it anyway
-        """Do nothing (see ``Bus``)."""
-
     def subscribe(self, channel: str, handler: Handler, *, is_large: bool = False) -> None:
-        """Call ``handler`` for each message; raises BusError and InvalidName as ``publish``."""
+        """Call ``handler`` for each message (see ``Bus``)."""
         check_channel(channel)
         self._on_receiver(lambda: self._subscribe(channel, handler, is_large=is_large))
 
@@ -118,10 +104,6 @@ class ReceivingBus(ABC):
         """Undo ``subscribe``."""
         with contextlib.suppress(BusError):  # a closed bus delivers nothing anyway
             self._on_receiver(lambda: self._unsubscribe(channel, handler))
-
-    def lost(self, _channel: str) -> int:
-        """Return the number of messages that are known to have been lost (see ``Bus``)."""
-        return 0
 
     def wait(self, wakeup: WakeupEvent, timeout: float | None) -> None:
         """Receive on this thread until handlers were called or time is up (see ``Bus``)."""
@@ -207,9 +189,6 @@ class ReceivingBus(ABC):
 
     def _note_fault(self, name: bytes, error: Exception) -> None:
         self._faults.note(f"receiving from {name.decode(errors='replace')}", error)
-
-    def _report(self, text: str) -> None:
-        self.on_outage(text)
 
     def _on_receiver(self, work: Callable[[], None]) -> None:
         """Run ``work`` on the receiving thread and wait for it; its exception is raised here."""

@@ -7,7 +7,11 @@ lives; if its node does not answer, a file shows that it ended. The files belong
 import contextlib
 import json
 import os
+import socket
 import stat
+import sys
+import time
+import uuid
 from collections.abc import Container, Iterator, Mapping
 from pathlib import Path
 
@@ -15,6 +19,7 @@ from lcmtools.bus.kernel import network_cookie, own_network, own_pid_namespace
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import Node, Role, Staleness
+from lcmtools.graph.protocol import SOFTWARE
 
 _FOLDER = "records"  # "nodes" before version 1 of the protocol
 
@@ -102,6 +107,21 @@ class NodeRecords:
                     record = {} if path.stem in but else json.loads(path.read_text())
                     if record and all(record.get(key, own) == own for key, own in here.items()):
                         yield record
+
+
+def this_process(name: str, *, tool: bool) -> Node:
+    """Return this process as a node of this name; a tool is a command that only observes."""
+    return Node(
+        name=name,
+        id=uuid.uuid4().hex,
+        host=socket.gethostname(),
+        pid=os.getpid(),
+        start_time=time.time_ns(),
+        command=" ".join(sys.argv),
+        tool=tool,
+        software=SOFTWARE,
+        pid_namespace=own_pid_namespace(),
+    )
 
 
 def recorded_pids(environment: Mapping[str, str]) -> frozenset[int]:

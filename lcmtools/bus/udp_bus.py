@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Collection, Sequence
 from threading import get_ident
 
-from lcmtools.bus.base import Handler
+from lcmtools.bus.base import Handler, Shortcut
 from lcmtools.bus.group_receiver import MAX_DATAGRAM, GroupReceiver
 from lcmtools.bus.kernel import STAMP_KIND, STAMP_ROOM, bound_wait, received_at
 from lcmtools.bus.multicast import check_multicast
@@ -42,7 +42,7 @@ class UdpBus(ReceivingBus):
         BusError: Multicast does not work here; the error says what to type.
     """
 
-    runs_callbacks = True  # see ``bus.base.runs_callbacks``
+    runs_callbacks = True
 
     def __init__(self, url: BusUrl) -> None:
         check_multicast(url)
@@ -57,7 +57,7 @@ class UdpBus(ReceivingBus):
         self._only = self._sockets.all[0]  # the one socket while there are no others
         self._recvmsg = self._only.recvmsg
         self._can_await = bound_wait(self._only, _GAP)
-        self._send, self.shortcut = self._sender.send, self._sender.shortcut
+        self._send = self._sender.send
         self.ports = [self._sender.port]
         self._reassembler = Reassembler(
             self._wants, max_bytes=2 * MESSAGE_MAX, max_early_bytes=_MOST_EARLY
@@ -66,12 +66,15 @@ class UdpBus(ReceivingBus):
         self._is_streaming = False  # a message has come soon after the one before
         self._is_late = False
         self._latest = 0  # arrival of the latest message [ns]
-        self.overflows = 0
         self._start()
 
     def publish_together(self, messages: Sequence[tuple[str, bytes]]) -> Collection[int]:
         """Send those of these messages that cost less if sent together (see ``Bus``)."""
         return self._sender.send_together(messages)
+
+    def shortcut(self, channel: str) -> Shortcut:
+        """Return the shortest way to publish short payloads on a channel (see ``Bus``)."""
+        return self._sender.shortcut(channel)
 
     def keep_order(self) -> None:
         """Let no message overtake a large one (see ``Bus``)."""

@@ -44,27 +44,27 @@ cleanup  cli.node.list:cleanup     Forget nodes that were killed.
 """)
 node = _group("node", "Query nodes, and end them.", _NODE, "list", "info simple_controller")
 _MSG = _entries("""\
-list         cli.msg.list:list_types         List the message types.
-show         cli.msg.show:show_type          Show the fields of a message type.
-proto        cli.msg.show:proto              Print a message to fill in, for pub.
-find-field   cli.msg.list:find_field         Find types by a field's name.
-package      cli.msg.list:package_command    List the message types of a package.
-packages     cli.msg.list:packages_command   List the packages.
-fingerprint  cli.msg.show:print_fingerprint  Print a type's fingerprint.
-build        cli.msg.build:build             Check and compile your own .lcm files.
-generate     cli.msg.build:generate_code     Write C, C++, Java or Python code.
-info         cli.msg.show:show_type          = show, as ROS.
-md5          cli.msg.show:print_fingerprint  = fingerprint, as ROS.
+list         cli.msg:list_types           List the message types.
+show         cli.msg:show_type            Show the fields of a message type.
+proto        cli.msg:proto                Print a message to fill in, for pub.
+find-field   cli.msg:find_field           Find types by a field's name.
+package      cli.msg:package_command      List the message types of a package.
+packages     cli.msg:packages_command     List the packages.
+fingerprint  cli.msg:print_fingerprint    Print a type's fingerprint.
+build        cli.msg_build:build          Check and compile your own .lcm files.
+generate     cli.msg_build:generate_code  Write C, C++, Java or Python code.
+info         cli.msg:show_type            = show, as ROS.
+md5          cli.msg:print_fingerprint    = fingerprint, as ROS.
 """)
 msg = _group("msg", "Show message types.", _MSG, "list", "show geometry_msgs/Twist", has_bus=False)
 _PKG = _entries("""\
-create    cli.pkg.create:command          Create a package: a node, a test and more.
+create    cli.pkg:create_package          Create a package: a node, a test and more.
 add-node  labs.commands.add_node:command  Add a node to a package.
-list      cli.pkg.look:list_packages      List the packages and their folders.
-find      cli.pkg.look:find_command       Print a package's folder.
-build     cli.pkg.look:build              Compile packages' messages and C++ nodes.
-prefix    cli.pkg.look:find_command       = find, as ROS 2 names it.
-cpp-path  cli.pkg.cpp:command             Print the folder of the C++ headers.
+list      cli.pkg:list_packages           List the packages and their folders.
+find      cli.pkg:find_command            Print a package's folder.
+build     cli.pkg:build                   Compile packages' messages and C++ nodes.
+prefix    cli.pkg:find_command            = find, as ROS 2 names it.
+cpp-path  cli.pkg:cpp_path                Print the folder of the C++ headers.
 """)
 pkg = _group(
     "pkg",
@@ -75,9 +75,9 @@ pkg = _group(
     has_bus=False,
 )
 _SRV = _entries("""\
-list  cli.msg.list:list_services     List the service types.
-show  cli.msg.services:show_service  Show the fields of a service type.
-info  cli.msg.services:show_service  = show, as ROS.
+list  cli.msg:list_services  List the service types.
+show  cli.msg:show_service   Show the fields of a service type.
+info  cli.msg:show_service   = show, as ROS.
 """)
 srv = _group("srv", "Show service types.", _SRV, "list", "show std_srvs/Trigger", has_bus=False)
 _SERVICE = _entries("""\
@@ -92,12 +92,12 @@ service = _group(
     "service", "List and call services.", _SERVICE, "list", 'call /switch "data: true"'
 )
 _PARAM = _entries("""\
-list      cli.param.read:list_parameters  List the parameters of nodes.
-get       cli.param.read:get              Print a parameter, or all of a node's.
-set       cli.param.set:set_parameters    Set parameters of a node.
-describe  cli.param.read:describe         Show a parameter's description and range.
-dump      cli.param.files:dump            Write parameters into a YAML file.
-load      cli.param.files:load            Set parameters from a YAML file.
+list      cli.param:list_parameters  List the parameters of nodes.
+get       cli.param:get              Print a parameter, or all of a node's.
+set       cli.param:set_parameters   Set parameters of a node.
+describe  cli.param:describe         Show a parameter's description and range.
+dump      cli.param:dump             Write parameters into a YAML file.
+load      cli.param:load             Set parameters from a YAML file.
 """)
 param = _group(
     "param",
@@ -144,14 +144,14 @@ echo  cli.tf:echo  Print the pose of a frame in another one.
 """)
 tf = _group("tf", "Look at coordinate frames.", _TF, "tree", "echo odom base_link")
 _GUI = _entries("""\
-all     cli.gui.panels:all_panels  Open a window with all panels; the default.
-steer   cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
-plot    cli.gui.panels:plot        Plot fields of messages over time.
-image   cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
-graph   cli.gui.panels:graph       Show nodes and topics, and what is wrong with them.
-world   cli.gui.panels:world       Show robots, sensors and paths in 3D.
-topics  cli.gui.panels:topics      Show the topics, decode messages, publish.
-log     cli.gui.panels:log         Show the nodes' log lines.
+all         cli.gui.panels:all_panels  Open a window with all panels; the default.
+steer       cli.gui.panels:steer       Steer a robot by joystick, keys or gamepad.
+plot        cli.gui.panels:plot        Plot fields of messages over time.
+image       cli.gui.panels:image       Show the images of a topic: colour, grey and depth.
+graph       cli.gui.panels:graph       Show nodes and topics, and what is wrong with them.
+world       cli.gui.panels:world       Show robots, sensors and paths in 3D.
+topics      cli.gui.panels:topics      Show the topics, decode messages, publish.
+log         cli.gui.panels:log         Show the nodes' log lines.
 services    cli.gui.panels:services    Call services.
 parameters  cli.gui.panels:parameters  Show and set the parameters of nodes.
 record      cli.gui.panels:record      Start and stop a recording.
@@ -165,16 +165,16 @@ gui = WindowGroup(
     context_settings=CONTEXT,
 )
 _SIM = _entries("""\
-pause     cli.sim.time:pause        Pause simulated time.
-resume    cli.sim.time:resume       Resume simulated time.
-step      cli.sim.time:step         Advance a paused simulator by some steps.
-reset     cli.sim.time:reset        Start again at time 0.
-set-rate  cli.sim.time:set_rate     Set the rate of simulated time.
-state     cli.sim.robots:state      Show the true state of a robot.
-set-pose  cli.sim.robots:set_pose   Place a robot at a pose.
-spawn     cli.sim.robots:spawn      Add a robot.
-delete    cli.sim.robots:delete     Remove a robot.
-snapshot  cli.sim.snapshot:command  Write an image of the world to a file.
+pause     cli.sim:pause     Pause simulated time.
+resume    cli.sim:resume    Resume simulated time.
+step      cli.sim:step      Advance a paused simulator by some steps.
+reset     cli.sim:reset     Start again at time 0.
+set-rate  cli.sim:set_rate  Set the rate of simulated time.
+state     cli.sim:state     Show the true state of a robot.
+set-pose  cli.sim:set_pose  Place a robot at a pose.
+spawn     cli.sim:spawn     Add a robot.
+delete    cli.sim:delete    Remove a robot.
+snapshot  cli.sim:snapshot  Write an image of the world to a file.
 """)
 sim = _group(
     "sim",

@@ -74,7 +74,7 @@ def command(
     from lcmtools.foxglove.bridge import Bridge
     from lcmtools.foxglove.origin_gate import OriginGate, parse_origin
     from lcmtools.foxglove.websocket import FoxgloveServer
-    from lcmtools.publish.own_node import own_node
+    from lcmtools.publish.temporary_node import temporary_node
 
     if port > _LAST_PORT:
         raise UsageError(f"there is no port {port}", f"ports are 0 to {_LAST_PORT}")
@@ -83,7 +83,7 @@ def command(
     choice = RecordedTopics(topics, names, exclude=exclude)
     with ExitStack() as stack:
         monitor = stack.enter_context(open_monitor("foxglove", plays=True))
-        node = stack.enter_context(own_node("foxglove", monitor.url)) if allowed else None
+        node = stack.enter_context(temporary_node("foxglove", monitor.url)) if allowed else None
         may_publish = RecordedTopics(allowed, names) if allowed else None
         bridge = stack.enter_context(Bridge(monitor, choice, notify, node, may_publish))
         encodings = bridge.publishing.encodings if bridge.publishing else ()

@@ -34,7 +34,7 @@ from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
 from lcmtools.folders import is_standard_output
 
-_FILE = click.Path(dir_okay=False, path_type=Path)
+_FILE = click.Path(dir_okay=False, readable=False, path_type=Path)
 
 
 @subcommand("wtf", json_option, bus_options, bag_option, part_options(), cls=JudgingCommand)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lcmtools.bus import kernel
 from lcmtools.bus.listeners import listening_sockets
+from lcmtools.bus.multicast import check_route
 from lcmtools.bus.processes import Process, buffer_overflows, is_local, process_of, usage_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl
@@ -62,6 +63,8 @@ def collect(
     evidence = Evidence(url=str(url), ttl=url.ttl if url.is_multicast else 0, host=here)
     failures, filtered = computer.reassembly_failures(), computer.rp_filter_drops()
     try:
+        if url.is_multicast:
+            check_route(url)  # lcmtools' programs would go on without one, others cannot
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
             evidence = _observe(monitor, evidence, listen, memory or Memory(), in_doubt)
     except BusError as error:

@@ -259,10 +259,10 @@ def derived(compute: Callable[[Evidence], _T]) -> Callable[[Evidence], _T]:
 
     @wraps(compute)
     def once(evidence: Evidence) -> _T:
-        known = vars(evidence)
-        if compute.__qualname__ not in known:
-            known[compute.__qualname__] = compute(evidence)
-        value: _T = known[compute.__qualname__]
+        known, name = vars(evidence), f"{compute.__module__}.{compute.__qualname__}"
+        if name not in known:
+            known[name] = compute(evidence)
+        value: _T = known[name]
         return value
 
     return once

@@ -8,7 +8,13 @@ import errno
 import select
 import socket
 
-from lcmtools.bus.multicast import check_multicast, check_sending, receiving_socket, sending_socket
+from lcmtools.bus.multicast import (
+    check_multicast,
+    check_route,
+    check_sending,
+    receiving_socket,
+    sending_socket,
+)
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import fragments
@@ -26,6 +32,7 @@ def large_problem(url: BusUrl) -> str:
     does not matter.
     """
     try:
+        check_route(url)
         check_multicast(url)
     except BusError:
         return ""  # not even a small one does, which is another fault

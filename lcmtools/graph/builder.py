@@ -9,7 +9,7 @@ from lcmtools.bounded import BoundedDict
 from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, Node, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
-    TALK_CHANNELS,
+    PROTOCOL_CHANNELS,
     Announcement,
     Head,
     decode_announcement,
@@ -70,7 +70,7 @@ class GraphBuilder:
 
     def add(self, packet: Packet) -> Announcement | None:
         """Learn from one packet; return the announcement if it was one."""
-        if packet.channel not in TALK_CHANNELS:
+        if packet.channel not in PROTOCOL_CHANNELS:
             self._count_of(packet).add(packet)
             if packet.type_name:
                 self._types = None
@@ -84,20 +84,20 @@ class GraphBuilder:
 
     def add_all(self, packets: Iterable[Packet]) -> list[Packet]:
         """Learn from packets; return those of the nodes' own protocol."""
-        talk: list[Packet] = []
+        of_protocol: list[Packet] = []
         channel, sender, count = None, None, None
         for packet in packets:
             if not (count and packet[0] is channel and packet[3] is sender):  # rare in a stream
-                if packet.channel in TALK_CHANNELS:
+                if packet.channel in PROTOCOL_CHANNELS:
                     self.add(packet)
-                    talk.append(packet)
+                    of_protocol.append(packet)
                     continue
                 channel, sender = packet[0], packet[3]
                 count = self._count_of(packet)
             count.add(packet)
             if packet[7]:  # its type is attached
                 self._types = None
-        return talk
+        return of_protocol
 
     def add_head(self, head: Head, packet: Packet) -> None:
         """Learn from an announcement, decoding it only if more than its counters have changed.

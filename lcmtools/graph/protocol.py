@@ -10,11 +10,10 @@ These messages are frozen; what may grow in them is appendable (``messages/appen
 programs of different versions see each other. docs/protocol.md describes all of it.
 """
 
-import struct
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import lru_cache
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import NamedTuple, TypeVar
 
 from lcmtools import __version__
 from lcmtools.bounded import BoundedDict
@@ -29,11 +28,14 @@ from lcmtools.graph.model import (
     Role,
     Traffic,
 )
-from lcmtools.messages.appendable import appendables, decode_appendable, encode_appendable
+from lcmtools.messages.appendable import (
+    Binding,
+    appendables,
+    decode_appendable,
+    encode_appendable,
+)
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.coder import coder
 from lcmtools.messages.registry import Message, fingerprint
-from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.names import check_length, check_node
 from lcmtools.types import lcmtools_msgs as msgs
 from lcmtools.wire.packet import Sender
@@ -42,7 +44,7 @@ NODE_CHANNEL = "/_lcmtools/node"
 PROBE_CHANNEL = "/_lcmtools/probe"
 SHUTDOWN_CHANNEL = "/_lcmtools/shutdown"
 RELAY_CHANNEL = "/_lcmtools/relay"
-TALK_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
+PROTOCOL_CHANNELS = frozenset({NODE_CHANNEL, PROBE_CHANNEL, SHUTDOWN_CHANNEL, RELAY_CHANNEL})
 """The hidden channels of the protocol, which are not topics."""
 SOFTWARE = f"lcmtools {__version__}"
 """The name and version of this library, as its nodes announce it."""
@@ -59,34 +61,14 @@ M = TypeVar("M", bound=Message)
 _MOST_DETAILS, _MOST_OF_HEAD = 512 << 10, 64 << 10
 """The most bytes of an announcement's details, of 3500 endpoints, and of all else in it."""
 
-_COUNTERS = (
-    "messages",
-    "bytes",
-    "drops",
-    "last_time",
-    "calls",
-    "busy",
-    "longest",
-    "rate",
-    "incomplete",
-)
-_OF_ENDPOINT = ("group", "depth", "latched", *_COUNTERS)
-_OF_HEAD = ("version", "name", "id", "host", "pid", "start_time", "software", "sent")
-
-_OF_ERROR = ("callback", "exception", "message", "place", "count", "last_time")
 _MOST_ERRORS = 5
 MOST_OBSERVED = 200
 """The most channels of plain LCM programs that a relay tells of: they take some kB each second."""
 _MOST_LINES = 20
-_OF_OBSERVED = ("channel", "messages", "bytes", "first_time", "last_time", "bus")
 _MOST_ENDPOINTS, _MOST_OF_ENDPOINT = 1 << 13, 1000  # that are kept decoded; bytes of one
 
 _FINGERPRINT = fingerprint(msgs.Announcement).to_bytes(8, "big")
-_VERSION_0 = 0x7AD407B1A45D0859.to_bytes(8, "big")  # the announcement before the first version
-_NAME_OFFSETS = {  # in an announcement
-    _FINGERPRINT: 16,  # after the fingerprint, the length of the details and the version
-    _VERSION_0: 20,  # after the fingerprint and three lengths
-}
+_NAME_OFFSET = 16  # in an announcement: after fingerprint, length of the details and version
 _BEFORE_ID_BYTES = 12  # pid and start time
 _STATE_BYTES = 1
 _REMOTE = fingerprint(msgs.RemoteAnnouncement).to_bytes(8, "big")
@@ -130,37 +112,36 @@ class Head(NamedTuple):
 
 def encode_probe(probe: Probe) -> bytes:
     """Return the payload of a probe."""
-    return encode(_filled(msgs.Probe(), probe, ("target", "nonce")))
+    return encode(_PROBE.message(probe))
 
 
 def decode_probe(payload: bytes) -> Probe | None:
     """Return the probe in a payload; None if there is none."""
     message = _decoded(msgs.Probe, payload)
-    return Probe(message.target, message.nonce) if message else None
+    return _PROBE.value(message) if message else None
 
 
 def encode_shutdown(request: Shutdown) -> bytes:
     """Return the payload of a request to end."""
-    message = _filled(msgs.Shutdown(), request, ("target", "nonce"))
-    message.requester = _sendable(request.requester)
-    return encode(message)
+    return encode(_SHUTDOWN.message(request))
 
 
 def decode_shutdown(payload: bytes) -> Shutdown | None:
     """Return the request to end in a payload; None if there is none."""
     message = _decoded(msgs.Shutdown, payload)
-    return Shutdown(message.target, message.nonce, message.requester) if message else None
+    return _SHUTDOWN.value(message) if message else None
 
 
 def encode_announcement(announcement: Announcement) -> bytes:
     """Return the payload of an announcement."""
     node = announcement.node
-    message = _filled(msgs.Announcement(), node, _OF_HEAD)
-    message.command, message.tool = _sendable(node.command), node.tool
-    message.state = msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE
-    message.revision = _revision(node)
-    message.answers = announcement.answers
-    message.details = _encode_details(node) if node.has_details else b""
+    message = _HEAD.message(
+        node,
+        state=msgs.Announcement.LEAVING if announcement.leaving else msgs.Announcement.ALIVE,
+        revision=_revision(node),
+        answers=announcement.answers,
+        details=_encode_details(node) if node.has_details else b"",
+    )
     return _wrapped(encode(message), node.path) if node.path else encode(message)
 
 
@@ -171,14 +152,12 @@ def decode_announcement(payload: bytes) -> Announcement | None:
     """
     if payload.startswith(_REMOTE):
         return _decode_remote(payload)
-    if payload.startswith(_VERSION_0):
-        return _decode_version_0(payload)
     message = _decoded(msgs.Announcement, payload)
     if message is None or not _is_node_name(message.name):
         return None
     if len(payload) - len(message.details) > _MOST_OF_HEAD:
         return None
-    node = Node(**_values(message, (*_OF_HEAD, "command")), tool=bool(message.tool))
+    node = _HEAD.value(message)
     is_leaving = message.state == msgs.Announcement.LEAVING
     return Announcement(_with_details(node, message.details), is_leaving, message.answers)
 
@@ -189,9 +168,9 @@ def head_of(payload: bytes) -> Head:
         end = _WRAPPED_OFFSET + int.from_bytes(payload[8:12], "big")
         inner = head_of(payload[_WRAPPED_OFFSET:end])
         return Head(_REMOTE + inner.identity, inner.revision + payload[end:])
-    start = end = _NAME_OFFSETS.get(payload[:8], 0)
-    if not start:
+    if not payload.startswith(_FINGERPRINT):
         return Head(b"", b"")
+    start = end = _NAME_OFFSET
     for fixed_bytes in (0, _BEFORE_ID_BYTES, _STATE_BYTES):  # after name, after host, after id
         end += 4 + int.from_bytes(payload[end : end + 4], "big") + fixed_bytes
     return Head(payload[start:end], payload[end : end + _REVISION_BYTES])
@@ -236,18 +215,10 @@ def _without_time(payload: bytes) -> bytes:
 
 
 def _encode_details(node: Node) -> bytes:
-    details = msgs.NodeDetails()
-    details.ports, details.busy = list(node.ports), node.busy
-    details.overflows = node.overflows
-    details.endpoints = appendables(map(_endpoint_message, node.endpoints))
-    newest = node.errors[-_MOST_ERRORS:]
-    details.errors = appendables(_filled(msgs.CallbackError(), e, _OF_ERROR) for e in newest)
-    details.pid_namespace = node.pid_namespace
+    details = _DETAILS.message(node)
     if node.observed or node.full_lines:
-        observed = msgs.Observed()
-        observed.publishers = appendables(map(_observed_message, node.observed))
-        observed.full_lines = appendables(map(_line_message, node.full_lines))
-        (details.observed,) = appendables([observed])
+        publishers = appendables(map(_seen_message, node.observed))
+        (details.observed,) = appendables([_OBSERVED.message(node, publishers=publishers)])
     return encode_appendable(details)
 
 
@@ -257,48 +228,12 @@ def _with_details(node: Node, data: bytes) -> Node:
         return node._replace(has_details=False)
     try:
         details = decode_appendable(msgs.NodeDetails, data)
-        endpoints = [_endpoint(one.data) for one in details.endpoints]
-        errors = [decode_appendable(msgs.CallbackError, one.data) for one in details.errors]
         heard = decode_appendable(msgs.Observed, details.observed.data)
         observed = [_observed(one.data, node.name) for one in heard.publishers[:MOST_OBSERVED]]
-        lines = [_full_line(one.data) for one in heard.full_lines[:_MOST_LINES]]
+        node = node._replace(**_DETAILS.values(details), **_OBSERVED.values(heard))
     except DecodeError:
         return node._replace(has_details=False)
-    return node._replace(
-        ports=tuple(details.ports),
-        endpoints=tuple(filter(None, endpoints)),
-        busy=details.busy,
-        overflows=details.overflows,
-        errors=tuple(CallbackError(**_values(error, _OF_ERROR)) for error in errors),
-        pid_namespace=details.pid_namespace,
-        observed=tuple(filter(None, observed)),
-        full_lines=tuple(lines),
-    )
-
-
-def _decode_version_0(payload: bytes) -> Announcement | None:
-    """Return the head of an announcement as it was before the first version."""
-    from lcmtools.types.std_msgs import String  # late: only for such a node
-
-    def text() -> str:
-        return cast("String", coder(String).read(cursor)).data
-
-    if len(payload) > _MOST_DETAILS:
-        return None
-    cursor = Cursor(payload, _NAME_OFFSETS[_VERSION_0])
-    try:
-        name, host = text(), text()
-        pid, start_time = struct.unpack_from(">iq", payload, cursor.advance(12, "pid"))
-        id_ = text()
-        state, _, tool = struct.unpack_from(">bq?", payload, cursor.advance(10, "state"))
-        command = text()
-        (answers,) = struct.unpack_from(">q", payload, cursor.advance(8, "answers"))
-    except Malformed:
-        return None
-    if not _is_node_name(name):
-        return None
-    node = Node(name, id_, host, pid, start_time, command, tool, version=0, has_details=False)
-    return Announcement(node, state == msgs.Announcement.LEAVING, answers)
+    return node._replace(observed=tuple(filter(None, observed)))
 
 
 def _is_node_name(name: str) -> bool:
@@ -310,8 +245,7 @@ def _is_node_name(name: str) -> bool:
 
 def _wrapped(announcement: bytes, path: Iterable[RelayStep]) -> bytes:
     message = msgs.RemoteAnnouncement()
-    message.announcement = announcement
-    message.steps = appendables(_filled(msgs.RelayStep(), step, RelayStep._fields) for step in path)
+    message.announcement, message.steps = announcement, _STEP.appendables(path)
     return encode(message)
 
 
@@ -324,38 +258,26 @@ def _decode_remote(payload: bytes) -> Announcement | None:
         return None
     announcement = decode_announcement(inner)
     try:
-        steps = [decode_appendable(msgs.RelayStep, step.data) for step in message.steps]
+        path = _STEP.all(message.steps)
     except DecodeError:
         return None
     if announcement is None:
         return None
-    path = tuple(RelayStep(**_values(step, RelayStep._fields)) for step in steps)
     return announcement._replace(node=announcement.node._replace(path=path, ports=()))
 
 
 def _revision(node: Node) -> int:
     """Return a number that changes with everything in a node except its counters."""
-    zeros: dict[str, Any] = dict.fromkeys(_COUNTERS, 0)
-    plain = [endpoint._replace(**zeros) for endpoint in node.endpoints]
+    plain = [(*end.key, end.fingerprints, end.depth, end.latched) for end in node.endpoints]
     errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
     # hashes text, because different numbers may have equal hashes; only its own process compares
     observed = sorted((x.channel, str(x.sender), x.fingerprints, x.types) for x in node.observed)
     return hash(repr((node.command, node.tool, node.ports, plain, errors, observed)))
 
 
-def _endpoint_message(endpoint: Endpoint) -> msgs.Endpoint:
-    message = _filled(msgs.Endpoint(), endpoint, _OF_ENDPOINT)
-    message.topic, message.role = endpoint.topic, endpoint.role
-    message.types = list(endpoint.types)
-    message.fingerprints = [_signed(value) for value in endpoint.fingerprints]
-    return message
-
-
 def _line_message(line: FullLine) -> msgs.FullLine:
-    message = _filled(msgs.FullLine(), line, ("to", "dropped"))
-    message.topics = [topic for topic, _ in line.passing]
-    message.rates = [rate for _, rate in line.passing]
-    return message
+    passing = dict(line.passing)
+    return msgs.FullLine(line.to, line.dropped, [*passing], [*passing.values()])
 
 
 def _full_line(data: bytes) -> FullLine:
@@ -364,13 +286,9 @@ def _full_line(data: bytes) -> FullLine:
     return FullLine(message.to, message.dropped, tuple(passing))
 
 
-def _observed_message(seen: Traffic) -> msgs.ObservedPublisher:
-    message = _filled(msgs.ObservedPublisher(), seen, _OF_OBSERVED)
-    if seen.sender:
-        message.host, message.port = seen.sender.address, seen.sender.port
-    message.types = list(seen.types)
-    message.fingerprints = [_signed(value) for value in seen.fingerprints]
-    return message
+def _seen_message(seen: Traffic) -> msgs.ObservedPublisher:
+    place = {"host": seen.sender.address, "port": seen.sender.port} if seen.sender else {}
+    return _SEEN.message(seen, **place)
 
 
 def _observed(data: bytes, observer: str) -> Traffic | None:
@@ -379,17 +297,12 @@ def _observed(data: bytes, observer: str) -> Traffic | None:
     The sender has a name, so that nothing of this computer is taken for it.
     """
     message = decode_appendable(msgs.ObservedPublisher, data)
+    host = message.host or "unknown"
+    place = f"{host}:{message.port}" if message.port else host
+    name = f"{place}, on {message.bus}" if message.bus else place
     with suppress(InvalidName, ValueError):
-        host = message.host or "unknown"
-        place = f"{host}:{message.port}" if message.port else host
-        name = f"{place}, on {message.bus}" if message.bus else place
-        return Traffic(
-            **{**_values(message, _OF_OBSERVED), "channel": check_length(message.channel)},
-            sender=Sender(message.host, message.port, name),
-            types=tuple(message.types),
-            fingerprints=_unsigned(message.fingerprints),
-            observer=observer,
-        )
+        sender = Sender(message.host, message.port, name)
+        return _SEEN.value(message, sender=sender, observer=observer)
     return None
 
 
@@ -402,31 +315,12 @@ def _endpoint(data: bytes) -> Endpoint | None:
 
 
 def _decode_endpoint(data: bytes) -> Endpoint | None:
-    message = decode_appendable(msgs.Endpoint, data)
-    try:
-        return Endpoint(
-            **_values(message, _OF_ENDPOINT),
-            topic=check_length(message.topic),
-            role=Role(message.role),
-            types=tuple(message.types),
-            fingerprints=_unsigned(message.fingerprints),
-        )
-    except (InvalidName, ValueError):
-        return None
+    with suppress(InvalidName, ValueError):
+        return _ENDPOINT.decode(data)
+    return None
 
 
 _known_endpoint = lru_cache(_MOST_ENDPOINTS)(_decode_endpoint)
-
-
-def _filled(message: M, source: object, names: Iterable[str]) -> M:
-    """Return the message with the values of the source's attributes of the same names."""
-    for name, value in _values(source, names).items():
-        setattr(message, name, value)
-    return message
-
-
-def _values(source: object, names: Iterable[str]) -> dict[str, Any]:
-    return {name: getattr(source, name) for name in names}
 
 
 def _decoded(cls: type[M], payload: bytes) -> M | None:
@@ -445,5 +339,35 @@ def _unsigned(fingerprints: Iterable[int]) -> tuple[int, ...]:
     return tuple(value & 0xFFFFFFFFFFFFFFFF for value in fingerprints)
 
 
-def _signed(fingerprint: int) -> int:
-    return fingerprint - (1 << 64) if fingerprint >= 1 << 63 else fingerprint
+def _signed(fingerprints: Iterable[int]) -> list[int]:
+    return [value - (1 << 64) if value >= 1 << 63 else value for value in fingerprints]
+
+
+_CHANNEL, _COMMAND, _FINGERPRINTS = (str, check_length), (_sendable, str), (_signed, _unsigned)
+_PROBE = Binding(msgs.Probe, Probe)
+_SHUTDOWN = Binding(msgs.Shutdown, Shutdown, requester=_COMMAND)
+_STEP = Binding(msgs.RelayStep, RelayStep)
+_ERROR = Binding(msgs.CallbackError, CallbackError)
+_ENDPOINT = Binding(
+    msgs.Endpoint, Endpoint, topic=_CHANNEL, role=(int, Role), fingerprints=_FINGERPRINTS
+)
+_SEEN = Binding(msgs.ObservedPublisher, Traffic, channel=_CHANNEL, fingerprints=_FINGERPRINTS)
+_HEAD = Binding(msgs.Announcement, Node, command=_COMMAND, tool=(bool, bool))
+_DETAILS = Binding(
+    msgs.NodeDetails,
+    Node,
+    without=("observed",),
+    endpoints=(
+        _ENDPOINT.appendables,
+        lambda ones: tuple(filter(None, (_endpoint(one.data) for one in ones))),
+    ),
+    errors=(lambda errors: _ERROR.appendables(errors[-_MOST_ERRORS:]), _ERROR.all),
+)
+_OBSERVED = Binding(
+    msgs.Observed,
+    Node,
+    full_lines=(
+        lambda lines: appendables(map(_line_message, lines)),
+        lambda ones: tuple(_full_line(one.data) for one in ones[:_MOST_LINES]),
+    ),
+)

@@ -1,15 +1,15 @@
 """A relay's report of all relays that it knows: its values and its encoding. Pure."""
 
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
 from lcmtools.errors import DecodeError
-from lcmtools.messages.appendable import appendables, decode_appendable
+from lcmtools.messages.appendable import Binding
 from lcmtools.messages.codec import decode, encode
-from lcmtools.types.lcmtools_msgs import RelayEnd, RelayLink, RelayReport
-
-_ENDS = 2
+from lcmtools.types.lcmtools_msgs import Appendable, RelayEnd, RelayLink, RelayReport
 
 
 class State(IntEnum):
@@ -50,65 +50,39 @@ class Link:
     number: int = 0  # number of its latest report
 
 
-class Knowledge(NamedTuple):
+class Report(NamedTuple):
     """Everything that a relay knows of relays, itself first."""
 
     end: str  # the id of the end that sends this
     links: tuple[Link, ...]
 
 
-def encode_report(report: Knowledge) -> bytes:
+def encode_report(report: Report) -> bytes:
     """Return the payload of a report."""
-    message = RelayReport()
-    message.end = report.end
-    message.links = appendables(map(_link_message, report.links))
-    return encode(message)
+    return encode(RelayReport(end=report.end, links=_LINK.appendables(report.links)))
 
 
-def decode_report(payload: bytes) -> Knowledge | None:
+def decode_report(payload: bytes) -> Report | None:
     """Return the report in a payload, without links that cannot be read; None if there is none."""
     try:
         message = decode(RelayReport, payload)
     except DecodeError:
         return None
-    return Knowledge(message.end, tuple(link for one in message.links if (link := _link(one.data))))
+    links = []
+    for one in message.links:
+        with suppress(DecodeError, ValueError):
+            links.append(_LINK.decode(one.data))
+    return Report(message.end, tuple(links))
 
 
-_OF_END = ("id", "bus", "is_up", "trouble", "messages", "bytes", "left_out", "dropped", "lost")
-_LISTS_OF_END = ("heard", "ports", "commands")
-_STATES = frozenset(State)
+def _state(number: int) -> State:
+    return State(number) if number in set(State) else State.STANDBY
 
 
-def _link_message(link: Link) -> RelayLink:
-    message = RelayLink()
-    message.id, message.name, message.host = link.id, link.name, link.host
-    message.state, message.number = link.state, link.number
-    message.ends = appendables(map(_end_message, link.ends))
-    return message
+def _both(ends: Iterable[Appendable]) -> tuple[End, End]:
+    here, there = _END.all(ends)
+    return here, there
 
 
-def _end_message(end: End) -> RelayEnd:
-    message = RelayEnd()
-    for name in _OF_END:
-        setattr(message, name, getattr(end, name))
-    for name in _LISTS_OF_END:
-        setattr(message, name, list(getattr(end, name)))
-    return message
-
-
-def _link(data: bytes) -> Link | None:
-    try:
-        message = decode_appendable(RelayLink, data)
-        ends = [_end(decode_appendable(RelayEnd, end.data)) for end in message.ends]
-    except DecodeError:
-        return None
-    if len(ends) != _ENDS:
-        return None
-    state = State(message.state) if message.state in _STATES else State.STANDBY
-    return Link(message.id, message.name, message.host, (ends[0], ends[1]), state, message.number)
-
-
-def _end(message: RelayEnd) -> End:
-    known = {name: getattr(message, name) for name in _OF_END}
-    known |= {name: tuple(getattr(message, name)) for name in _LISTS_OF_END}
-    return End(**known)
+_END = Binding(RelayEnd, End)
+_LINK = Binding(RelayLink, Link, state=(int, _state), ends=(_END.appendables, _both))

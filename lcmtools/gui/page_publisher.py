@@ -12,7 +12,7 @@ from lcmtools.names import check_channel
 from lcmtools.node.node import Node
 from lcmtools.node.publisher import PayloadPublisher
 from lcmtools.node.service import Client, ServiceType
-from lcmtools.publish.own_node import own_node
+from lcmtools.publish.temporary_node import temporary_node
 
 _MOST_ANSWERS, _MOST_ANSWER_BYTES = 300, 64_000_000
 RequestT = TypeVar("RequestT", bound=Message)
@@ -57,7 +57,7 @@ class Publishers:
         """The node, hidden like that of ``lcmtools pub``; BusError if the bus cannot be reached."""
         with self._lock:
             if self._node is None:
-                self._node = self._stack.enter_context(own_node("gui", self._url))
+                self._node = self._stack.enter_context(temporary_node("gui", self._url))
             return self._node
 
     def publish(self, topic: str, kind: type[Message], payload: bytes) -> None:

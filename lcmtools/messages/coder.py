@@ -45,8 +45,16 @@ class Coder:
         self._source = Source(cls, coder)
         self.fingerprint = fingerprint(cls).to_bytes(8, "big")
         """The first 8 bytes of a payload."""
-        self.write: Write = self._source.function("write(m0)", _Writing(self._source).statements())
-        self.scan: Scan = self._source.function("scan(data, at)", Reading(self._source).lines)
+
+    @cached_property
+    def write(self) -> Write:
+        """The encoder."""
+        return self._source.function("write(m0)", _Writing(self._source).statements())
+
+    @cached_property
+    def scan(self) -> Scan:
+        """The fast reader."""
+        return self._source.function("scan(data, at)", Reading(self._source).lines)
 
     @cached_property
     def read(self) -> Read:

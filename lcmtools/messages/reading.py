@@ -57,7 +57,9 @@ Read: TypeAlias = Callable[[Cursor], Message]
 class Readers(Protocol):
     """The functions that read a type."""
 
-    scan: Scan
+    @property
+    def scan(self) -> Scan:
+        """The fast one."""
 
 
 class Source:

@@ -1,8 +1,6 @@
 """Announcing a process's nodes on the bus: each second, on a change, and on a probe."""
 
 import contextlib
-import math
-import random
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -10,12 +8,12 @@ from collections.abc import Callable, Mapping
 from lcmtools.bus.base import Bus, Faults, start_thread
 from lcmtools.errors import BusError
 from lcmtools.graph import protocol
+from lcmtools.graph.announcing import Announcing
 from lcmtools.graph.model import Endpoint, Node
 from lcmtools.graph.protocol import ANSWER_SPREAD, PERIOD
+from lcmtools.node.graph_follower import GraphFollower
 
-_CHANGE_DELAY = 0.005  # [s]: a node that is being set up changes many times at once
 _SHARE = 0.9  # of a period, after which the counters for the rates are replaced
-_REST = 10  # rest for this many times the CPU time of announcing, which takes a tenth at most
 
 _Counted = tuple[int, dict[object, Endpoint]]
 """Endpoints by their nodes and keys, and when they were counted [ns since 1970]."""
@@ -24,20 +22,20 @@ _Counted = tuple[int, dict[object, Endpoint]]
 class Announcer:
     """Announces nodes from its own thread, so that a busy node stays visible.
 
-    ``describe`` returns the current description of every node of this process.
+    ``describe`` returns the current description of every node of this process. The thread also
+    reads the announcements of others, once the ``follower`` is asked for them.
     """
 
-    def __init__(self, bus: Bus, describe: Callable[[], list[Node]]) -> None:
+    def __init__(
+        self, bus: Bus, describe: Callable[[], list[Node]], follower: GraphFollower
+    ) -> None:
         self._bus = bus
         self._describe = describe
+        self._follower = follower
+        follower.on_start = self._wake
         self._faults = Faults(bus.on_outage)
         self._changed = threading.Condition()
-        self._due = time.monotonic() + _CHANGE_DELAY
-        self._rested = 0.0
-        self._answer_due = math.inf
-        self._owed: dict[str, int] = {}  # nonces of probes by their targets, "" for all nodes
-        self._owes_another = False
-        self._answers_from = 0.0  # a probe of one node is answered at once
+        self._schedule = Announcing(time.monotonic(), ANSWER_SPREAD)
         self._is_behind = True
         self._names: set[str] = set()  # of the nodes as last announced
         self._closed = False
@@ -56,7 +54,7 @@ class Announcer:
         """
         with self._changed:
             self._is_behind = True
-            self._due = min(self._due, time.monotonic() + _CHANGE_DELAY)
+            self._schedule.change(time.monotonic())
             self._changed.notify()
 
     def announce_changes(self) -> None:
@@ -75,7 +73,8 @@ class Announcer:
 
     def answer(self, target: str, nonce: int) -> None:
         """Announce the node of this name at once, repeating ``nonce``."""
-        self._announce({target: nonce})
+        with self._sending:
+            self._send_all({target: nonce})
 
     def leave_to_parent(self) -> None:
         """Announce nothing in a forked process, where the thread may have held these locks."""
@@ -83,71 +82,50 @@ class Announcer:
 
     def close(self) -> None:
         """Stop announcing."""
-        with self._changed:
-            self._closed = True
-            self._changed.notify()
+        self._closed = True
+        self._wake()
         self._thread.join(timeout=1.0)
 
-    def _receive_probe(self, payload: bytes, _time: int) -> None:
-        """Answer a probe: at once for one node, spread a little for all.
-
-        Many probes of one node soon after each other get one answer, with the last one's nonce.
-        """
-        probe = protocol.decode_probe(payload)
-        if probe is None:
-            return
-        answer = now = time.monotonic()
-        if not probe.target:
-            answer += random.uniform(0, ANSWER_SPREAD)  # noqa: S311
-        elif not (self._is_behind or probe.target in self._names):
-            return
-        elif now >= self._answers_from:
-            self.answer(probe.target, probe.nonce)
-            return
-        else:
-            answer = self._answers_from
+    def _wake(self) -> None:
         with self._changed:
-            # a second probe is sent in case an answer is lost: it gets an answer of its own
-            self._owes_another |= not probe.target and "" in self._owed
-            self._owed[probe.target] = probe.nonce or self._owed.get(probe.target, 0)
-            self._answer_due = min(self._answer_due, answer)
             self._changed.notify()
 
+    def _receive_probe(self, payload: bytes, _time: int) -> None:
+        """Answer a probe: at once for one node, spread a little for all."""
+        probe = protocol.decode_probe(payload)
+        if probe is None or not (self._is_behind or probe.target in ("", *self._names)):
+            return
+        with self._changed:
+            self._schedule.ask(probe, time.monotonic())
+            is_due = self._schedule.due() <= time.monotonic()
+            if not is_due:
+                self._changed.notify()
+        if is_due:
+            self._announce()
+
     def _run(self) -> None:
-        while True:
+        while not self._closed:
             with self._changed:
-                while not self._closed and (left := self._left()) > 0:
-                    self._changed.wait(left)
-                if self._closed:
-                    return
-                owed, began = self._owed, time.monotonic()
-                if began >= max(self._due, self._rested):
-                    owed.setdefault("", 0)
-                if "" in owed:
-                    self._due = began + PERIOD
-                self._owed = {"": 0} if self._owes_another else {}
-                self._answer_due = began + ANSWER_SPREAD if self._owes_another else math.inf
-                self._owes_another = False
+                left = self._schedule.due() - time.monotonic()
+                if left > 0 and not self._closed:
+                    self._changed.wait(min(left, self._follower.pause))
             try:
-                self._announce(owed)
+                self._follower.read()
+                if not self._closed:
+                    self._announce()
             except Exception as error:  # noqa: BLE001 - a node must not vanish for good
                 self._faults.note("announcing", error)
 
-    def _left(self) -> float:
-        """Return the time until the next announcement [s]."""
-        return min(self._answer_due, max(self._due, self._rested)) - time.monotonic()
-
-    def _announce(self, owed: Mapping[str, int]) -> None:
-        """Announce the nodes of these names, "" for all, each with a nonce; then rest."""
-        began, work_began = time.monotonic(), time.thread_time()
-        with self._sending:
-            self._send_all(owed)
-        worked = time.thread_time() - work_began  # on a busy computer no node seems large
-        rested = min(time.monotonic() + _REST * worked, began + PERIOD)
-        if "" in owed:
-            self._rested = rested
-        else:
-            self._answers_from = max(rested, began + ANSWER_SPREAD)
+    def _announce(self) -> None:
+        """Announce what is due; then rest."""
+        with self._changed:
+            owed = self._schedule.take(time.monotonic())
+        if owed:
+            began = time.thread_time()
+            with self._sending:
+                self._send_all(owed)
+            with self._changed:
+                self._schedule.rest(time.monotonic(), time.thread_time() - began)
 
     def _send_all(self, owed: Mapping[str, int]) -> None:
         # called with the lock held, so that no node is announced again after its goodbye

@@ -4,8 +4,6 @@ process.py chooses among a process's contexts and handles signals.
 """
 
 import contextlib
-import os
-import socket
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -13,9 +11,9 @@ from threading import get_ident
 from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
-from lcmtools.bus.base import Bus, runs_callbacks
-from lcmtools.bus.kernel import own_pid_namespace
+from lcmtools.bus.base import Bus
 from lcmtools.bus.listeners import PlainListeners
+from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import BusUrl, another_domain
@@ -85,31 +83,28 @@ class Context:
     ) -> None:
         self.default_namespace = resolve_namespace(usual_namespace(environment))
         self.bus, self.url = bus, url
-        self._runs_callbacks = runs_callbacks(bus)
         bus.on_outage = self._warn
         bus.on_received = self.wake
         self.arguments = arguments
         self._wakeups: dict[int, WakeupEvent] = {}  # of waiting threads, by thread
         self.used = UsedNames()
-        self.notices: list[str] = []
-        """Warnings about the command line, which the next node logs."""
+        self.notices = [text] if url and (text := missing_route(url)) else []
+        """Warnings about the network and the command line, which the next node logs."""
         self.note = ""
         """A sentence on the program, which the first node that spins logs."""
         self.on_shutdown_request: Callable[[], None] = self.stop
         """Called when another program requests a shutdown."""
-        self.host = socket.gethostname()
-        self.pid_namespace = own_pid_namespace()
         self._records = records
         self._recorded: dict[str, frozenset[tuple[str, Role]]] = {}
         self._recording = threading.Lock()
-        self.plain_listeners = PlainListeners(url, self._pids_here) if url else None
+        self.plain_listeners = PlainListeners(url) if url else None
         self._participants: list[Participant] = []
         self.background_spins: list[Spin] = []
         self._stopping = False
         self._closed = self.is_of_parent = self._is_shutdown_requested = self.is_ending = False
         """True once the program knows that it should end; it may then take its time."""
         self.follower = GraphFollower(bus, url)
-        self.announcer = Announcer(bus, self._describe)
+        self.announcer = Announcer(bus, self._describe, self.follower)
         network_watch.tell(self._warn)
         bus.subscribe(SHUTDOWN_CHANNEL, self._receive_shutdown)
         # Not None while a recording is played to this program message by message.
@@ -184,7 +179,7 @@ class Context:
                 if wakeup is None:
                     wakeup = self._add_wakeup(thread)
                     continue  # a ``wake`` may have missed it
-                turn.thread = thread if self._runs_callbacks else 0
+                turn.thread = thread if self.bus.runs_callbacks else 0
                 is_long = wait is None or wait > _LONGEST_WAIT
                 self.bus.wait(wakeup, _LONGEST_WAIT if is_long else wait)
                 turn.thread = 0
@@ -239,15 +234,6 @@ class Context:
 
     def _all_callbacks(self) -> list[Callbacks]:
         return [participant.callbacks for participant in tuple(self._participants)]
-
-    def _pids_here(self) -> frozenset[int]:
-        nodes = self.follower.graph().nodes
-        others = (node.pid for node in nodes if self._is_here(node) and node.has_details)
-        return frozenset((os.getpid(), *others))
-
-    def _is_here(self, node: Node) -> bool:
-        own = node.pid_namespace in (0, self.pid_namespace)
-        return node.host == self.host and own and not node.path
 
     def close(self) -> None:
         """End all nodes and leave the bus."""

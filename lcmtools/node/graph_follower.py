@@ -6,11 +6,13 @@ arrive as messages do.
 """
 
 import contextlib
+import math
 import threading
 import time
+from collections.abc import Callable
 
 from lcmtools.bounded import BoundedDict
-from lcmtools.bus.base import Bus, refusal, start_thread
+from lcmtools.bus.base import Bus, refusal
 from lcmtools.bus.group_receiver import ChannelSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
@@ -38,9 +40,10 @@ class GraphFollower:
         self._announced = self._none_announced()
         self._socket_lock = threading.Lock()
         self._socket: ChannelSocket | None = None
-        self._closed = threading.Event()
-        self._thread: threading.Thread | None = None
-        self._is_of_parent = False
+        self._is_closed = self._is_of_parent = False
+        self.pause = math.inf
+        """The longest time between two calls of ``read`` [s], from ``on_start`` on."""
+        self.on_start: Callable[[], None] = lambda: None
 
     def graph(self) -> Graph:
         """Return the announced nodes; the first call sends a probe.
@@ -56,7 +59,7 @@ class GraphFollower:
             if self._builder is None:
                 self._start()
                 self._builder = GraphBuilder()
-            self._read_socket()
+            self.read()
             with self._announced_lock:
                 announced, self._announced = self._announced, self._none_announced()
             for head, payload, arrival in announced.values():
@@ -65,9 +68,7 @@ class GraphFollower:
 
     def close(self) -> None:
         """Stop following."""
-        self._closed.set()
-        if self._thread is not None:
-            self._thread.join(timeout=1.0)
+        self._is_closed = True
         with self._socket_lock:
             if self._socket is not None:
                 self._socket.close()
@@ -81,29 +82,26 @@ class GraphFollower:
         if self._socket is None:
             self._bus.subscribe(NODE_CHANNEL, self._keep)
         else:
-            with contextlib.suppress(BusError):  # no more threads: each request reads the socket
-                self._thread = start_thread(self._run, "graph follower")
+            self.pause = _READ_PERIOD
+            self.on_start()
         with contextlib.suppress(BusError):  # nodes announce within 1 s anyway
             self._bus.publish(PROBE_CHANNEL, encode_probe(Probe()))
 
     def _open_socket(self) -> ChannelSocket | None:
-        if self._url is not None and self._url.is_multicast and not self._closed.is_set():
+        if self._url is not None and self._url.is_multicast and not self._is_closed:
             with contextlib.suppress(BusError):
                 return ChannelSocket(self._url, NODE_CHANNEL)
         return None
 
-    def _run(self) -> None:
-        while self._socket is not None and not self._closed.wait(_READ_PERIOD):
-            self._read_socket()
-
-    def _read_socket(self) -> None:
+    def read(self) -> None:
+        """Take the announcements that wait in the socket."""
         with self._socket_lock:
             if self._socket is None:
                 return
             for payload, arrival in self._socket.receive():
                 self._keep(payload, arrival)
             if self._socket.has_large:  # a node with hundreds of endpoints
-                large, self._socket = self._socket, None
+                large, self._socket, self.pause = self._socket, None, math.inf
                 with contextlib.suppress(BusError):  # it is closing
                     self._bus.subscribe(NODE_CHANNEL, self._keep)
                 large.close()

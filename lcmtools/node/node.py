@@ -1,18 +1,15 @@
 """The Node class: publishers, subscriptions, timers, services and parameters under one name."""
 
 import contextlib
-import os
-import sys
 import time
-import uuid
 from typing import TYPE_CHECKING
 
 from lcmtools import names
+from lcmtools.bus.records import this_process
 from lcmtools.clock import CLOCK_TOPIC, Clock, ManualClock, SystemClock, join_stamp
 from lcmtools.errors import InvalidName, explained
 from lcmtools.graph import model
 from lcmtools.graph.full_line import NodeLines
-from lcmtools.graph.protocol import SOFTWARE
 from lcmtools.node import checks
 from lcmtools.node.callback_errors import CallbackErrors
 from lcmtools.node.callbacks import Callbacks
@@ -64,17 +61,7 @@ class Node(Parametric, Factory):
         self.namespace = names.resolve_namespace(namespace)
         self.name = names.check_length(names.resolve(f"{self.namespace}/{own_name}"))
         resolver = names.Resolver(self.namespace, self.name, arguments.remaps)
-        self.__identity = model.Node(
-            name=self.name,
-            id=uuid.uuid4().hex,
-            host=context.host,
-            pid=os.getpid(),
-            start_time=time.time_ns(),
-            command=" ".join(sys.argv),
-            tool=tool,
-            software=SOFTWARE,
-            pid_namespace=context.pid_namespace,
-        )
+        self.__identity = this_process(self.name, tool=tool)
         self.__logger = Logger(self.name, SystemClock(), self.__forward_log)
         self.__lines = NodeLines()
         self.__errors = CallbackErrors(self.__logger, context.announcer.announce_soon)

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from typing import Generic, TypeVar
 
-from lcmtools.bus.base import Bus, shortcut
+from lcmtools.bus.base import Bus
 from lcmtools.errors import BusError, BusOfParent, UsageError, ValueMismatch, explained
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.messages.codec import PayloadEncoder
@@ -40,7 +40,7 @@ class PayloadPublisher:
         self._bus = bus
         self.on_failure: Callable[[BusError], None] | None = None
         """Called when a message cannot be sent; None to have ``publish`` raise instead."""
-        self._send = shortcut(bus, topic)
+        self._send = bus.shortcut(topic)
         self._graph = graph
         self._type_name, self._fingerprint = kind
         self._messages = 0

@@ -21,7 +21,7 @@ from lcmtools.packages.placed_type import Parsed, file_types, parse_file, parsed
 from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.type_set import TypeSet
 
-_FORM = f"7 {__version__} {sys.version}"  # what the content of the file depends on
+_FORM = f"8 {__version__} {sys.version}"  # what the content of the file depends on
 _PREFIX = "lcmtools_types_"
 _FEW = 64  # files are parsed sooner than the file is written
 _MOST = 20_000  # files whose types are kept

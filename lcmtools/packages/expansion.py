@@ -35,14 +35,21 @@ class Expansion:
     def __init__(self, parts: Mapping[int, Sequence[int]], counts: Mapping[int, int]) -> None:
         self._parts, self._counts = parts, counts
         self._known: dict[int, _Size] = {}
+        self._refused: dict[int, str] = {}  # those that contain one are not counted again
         self._visits = 0
 
     def fields(self, name: int) -> int:
         """Return the number of a type's fields and of theirs; TooManyFields if it is too large."""
         self._visits = 0
-        return self._size(name, ()).fields
+        try:
+            return self._size(name, ()).fields
+        except TooManyFields as error:
+            self._refused[name] = str(error)
+            raise
 
     def _size(self, name: int, above: tuple[int, ...]) -> _Size:
+        if name in self._refused:
+            raise TooManyFields(self._refused[name])
         if name in above:
             return _Size(0, 0, is_fixed=False)
         if (found := self._known.get(name)) is None:

@@ -37,7 +37,7 @@ _NO_SIZE = "Array sizes must be declared either as a constant or variable"
 
 # Each pattern passes over a text once, whatever is in it: one that looks for an end which may be
 # missing, or begins within a word, would do so again from every place.
-_COMMENT = re.compile(r"//[^\n]*|/\*.*?(?:\*/|(?P<unclosed>\Z))", re.DOTALL)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?(?:\*/|(?P<unclosed>\Z))", re.DOTALL)
 _STRANGE = re.compile(r"[^\w\s;{}\[\].,=+\-/*]", re.ASCII)
 _TOKEN = re.compile(r"[;\[\],=]|[^\s;\[\],=]+")
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
@@ -69,6 +69,7 @@ class LcmType(NamedTuple):
     fields: tuple[LcmField, ...]
     constants: Constants
     values: Mapping[str, int] | None  # of an enum
+    line: int
 
 
 class SyntaxFault(ValueError):  # noqa: N818 - named for what it is
@@ -99,13 +100,13 @@ def without_comments(text: str) -> str:
             raise SyntaxFault("this comment is not closed", line, "write */")
         return " " + "\n" * comment[0].count("\n")
 
-    return _COMMENT.sub(blank, text)
+    return COMMENT.sub(blank, text)
 
 
 def declared(text: str) -> tuple[list[str], list[str]]:
     """Return the types and packages in a text that may be wrong, as far as they can be made out."""
     types, packages = [], [""]
-    for match in _DECLARATION.finditer(_COMMENT.sub(" ", text)):
+    for match in _DECLARATION.finditer(COMMENT.sub(" ", text)):
         if match[1]:
             packages.append(match[1])
         else:
@@ -138,10 +139,11 @@ class _Parser:
                 continue
             if word not in ("struct", "enum"):
                 self._fail("Missing struct token")
+            line = self._lines[self._at - 1]
             name = self._package + self._name(_NAME, word)
             if name in found:
                 self._fail(f"duplicate type {name} declared in this file")
-            found[name] = self._struct(name) if word == "struct" else self._enum(name)
+            found[name] = (self._struct if word == "struct" else self._enum)(name, line)
         return list(found.values())
 
     def _next(self) -> str:
@@ -172,7 +174,7 @@ class _Parser:
             )
         return name
 
-    def _enum(self, name: str) -> LcmType:
+    def _enum(self, name: str, line: int) -> LcmType:
         self._expect("{")
         values: dict[str, int] = {}
         while not self._take("}"):
@@ -187,16 +189,16 @@ class _Parser:
             values[value] = number
             self._take(",")
             self._take(";")
-        return LcmType(name, enum_hash(name.rpartition("/")[2]), (), {}, values)
+        return LcmType(name, enum_hash(name.rpartition("/")[2]), (), {}, values, line)
 
-    def _struct(self, name: str) -> LcmType:
+    def _struct(self, name: str, line: int) -> LcmType:
         self._expect("{")
         body = _Body()
         while not self._take("}"):
             kind = self._next()
             (self._constants if kind == "const" else self._members)(kind, body)
         hashed = base_hash(zip(body.fields, body.primitives, body.sizes, strict=True))
-        return LcmType(name, hashed, tuple(body.fields.values()), body.constants, None)
+        return LcmType(name, hashed, tuple(body.fields.values()), body.constants, None, line)
 
     def _constants(self, _: str, body: "_Body") -> None:
         kind = self._next()

@@ -43,6 +43,7 @@ _TEXT = re.compile(rf"\s*w?string(?:<=\d+)?\s+({_NAME})\s*=(.*)", re.ASCII)
 _ENTRY = re.compile(
     rf"({_NAME}(?:/{_NAME}){{0,2}})(?:<=\d+)?(?:\[(<=)?(\d*)\])?\s+({_NAME})\s*(.*)", re.ASCII
 )
+_MOST_PROBLEMS = 20  # of a file that are told
 _EXAMPLE = "write  float64[] values  or  int32 LIMIT=5"
 
 
@@ -129,6 +130,8 @@ def to_lcm(path: Path, content: bytes, package: str) -> LcmSource:
             structs[-1].add(line)
         except InvalidFile as error:  # each line fails on its own
             problems.append(Problem(str(path), number, error.what, error.hint))
+            if len(problems) == _MOST_PROBLEMS:
+                return LcmSource("", problems, {}, {})
     if len(structs) < len(names):
         what = f"a line of --- before the fields of {names[len(structs)]} is missing"
         problems.append(Problem(str(path), len(lines), what))

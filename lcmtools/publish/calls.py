@@ -14,9 +14,9 @@ from lcmtools.node.service import Client
 from lcmtools.observe.reading.find import OfferedService, near_service, offered_services
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.publish.incoming import Notify, Template
-from lcmtools.publish.own_node import own_node
 from lcmtools.publish.schedule import due_times
 from lcmtools.publish.subscriber_wait import wait_until
+from lcmtools.publish.temporary_node import temporary_node
 
 _TYPE = re.compile(r"[A-Za-z]\w*[/.](srv[/.])?[A-Za-z]\w*", re.ASCII)
 _USUAL_RATE = 1.0  # [Hz] of repeated calls
@@ -79,7 +79,7 @@ def call_all(
         ServiceTimeout: A response did not come in time; the error states what became of the server.
         ServiceError: The service reports a failure.
     """
-    with own_node("service_call", url) as node:
+    with temporary_node("service_call", url) as node:
         client: Client[Message, Message] = node.create_client(service_type, service.name)  # type: ignore[arg-type] # known by its name only
         try:
             for request in requests:

@@ -16,10 +16,10 @@ from lcmtools.node.node import Node
 from lcmtools.observe.actuators import is_command_topic
 from lcmtools.packages import provide_user_types
 from lcmtools.publish.incoming import Incoming, Notify, Template
-from lcmtools.publish.own_node import own_node
 from lcmtools.publish.schedule import OnSent, Schedule, ScheduledPublisher, schedule_for
 from lcmtools.publish.standing_command import obeying, standing_command
 from lcmtools.publish.subscriber_wait import SubscriberWait
+from lcmtools.publish.temporary_node import temporary_node
 from lcmtools.settings import read_user_file
 
 One: TypeAlias = "Message | Value"
@@ -89,7 +89,7 @@ def publish(  # noqa: PLR0913 - one parameter an option of pub
     incoming = values if isinstance(values, Incoming) else _incoming(kind, values)
     schedule = schedule_for(incoming, rate=rate, count=count, latch=latch, keep_alive=keep_alive)
     bus = _bus_url(url)
-    with own_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
+    with temporary_node("pub", bus, arguments or NodeArguments(), simulated=simulated) as node:
         publisher = node.create_publisher(kind, topic, plain_channel=plain_channel)
         publisher.is_latched = latch or schedule.stay > 0
         literal = "" if plain_channel or topic.startswith(("/", "~")) else topic

@@ -18,7 +18,7 @@ from lcmtools.node import node as nodes
 from lcmtools.node.parameters import service_name
 from lcmtools.node.service import Client, request_channel
 from lcmtools.observe.reading.find import find_node
-from lcmtools.publish.own_node import own_node
+from lcmtools.publish.temporary_node import temporary_node
 from lcmtools.types import lcmtools_msgs as msgs
 
 _AT_ONCE = 16  # nodes whose parameters are read at the same time
@@ -51,7 +51,7 @@ class ParameterClient:
         """Return the parameters of nodes, and the errors of those that did not answer."""
         if not nodes:
             return {}, []
-        with own_node("param", self.url) as own, ThreadPoolExecutor(_AT_ONCE) as pool:
+        with temporary_node("param", self.url) as own, ThreadPoolExecutor(_AT_ONCE) as pool:
             names = (node.name for node in nodes)
             asked = {n: pool.submit(request_parameters, own, n, self.timeout) for n in names}
             try:
@@ -70,7 +70,7 @@ class ParameterClient:
 
     def request(self, node: str, texts: Mapping[str, str] | None = None) -> Parameters:
         """Change parameters of one node, or only read them; see ``request_parameters``."""
-        with own_node("param", self.url) as own:
+        with temporary_node("param", self.url) as own:
             return request_parameters(own, node, self.timeout, texts)
 
 

@@ -8,7 +8,7 @@ from lcmtools.messages.registry import Message
 from lcmtools.observe.reading.find import find_node
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.simulators import publishes_time, simulators
-from lcmtools.publish.own_node import own_node
+from lcmtools.publish.temporary_node import temporary_node
 
 if TYPE_CHECKING:
     from lcmtools.node.service import ServiceType
@@ -41,7 +41,7 @@ def call_simulator(
     if _may_be_late(graph):
         graph = monitor.settle(foreign=False)
     simulator = find_simulator(graph, name)
-    with own_node(f"sim_{verb}", monitor.url) as node:
+    with temporary_node(f"sim_{verb}", monitor.url) as node:
         response = node.create_client(service_type, f"{simulator}/{verb}").call(request, timeout)
     if not response.success:  # type: ignore[attr-defined] # all responses of sim_msgs have it
         raise LcmtoolsError(f"{simulator}: {response.message}")  # type: ignore[attr-defined]

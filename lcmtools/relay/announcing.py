@@ -82,10 +82,6 @@ class Announced:
             self._kept.drop_oldest()
         return [_kept_for(now - time, one) for one, time in self._kept.values()]
 
-    def forget(self) -> None:
-        """Forget all, because another relay passes them on now."""
-        self._kept.clear()
-
     def target(self, name: str) -> str | None:
         """Return an announced node's name on its own bus; None for others."""
         known = (one.node for one, _ in self._kept.values())

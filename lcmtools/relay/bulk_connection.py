@@ -15,8 +15,7 @@ from collections.abc import Callable
 from lcmtools.bus.kernel import drop_what_is_late
 from lcmtools.bus.line_buffer import LineBuffer
 from lcmtools.bus.url import BusUrl
-from lcmtools.relay.fair_queue import LATE
-from lcmtools.relay.line_queue import LineMessage, LineQueue
+from lcmtools.relay.fair_queue import LATE, LineMessage, LineQueue
 from lcmtools.wire import tcpq
 from lcmtools.wire.packet import Packet
 

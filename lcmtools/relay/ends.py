@@ -11,12 +11,12 @@ from lcmtools.bus.processes import is_local
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, UsageError, os_errors_as
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS
 from lcmtools.names import check_channel
 from lcmtools.observe.reading.losses import Loss, losses
 from lcmtools.relay.bulk_connection import BULK_BYTES, BulkConnection
 from lcmtools.relay.echo import EchoFilter
-from lcmtools.relay.line_queue import LineMessage
+from lcmtools.relay.fair_queue import LineMessage
 from lcmtools.wire.packet import Packet, Sender
 
 _NAP = 0.0002  # [s] that messages of a stream wait to be read together
@@ -55,9 +55,6 @@ class BusEnd(Protocol):
     def losses(self) -> Mapping[Sender, Loss]:
         """Return the messages that did not arrive here."""
 
-    def clear(self) -> None:
-        """Send nothing of what still waits, where that is possible."""
-
     def close(self) -> None:
         """Leave the bus."""
 
@@ -91,9 +88,6 @@ class _UdpmEnd:  # an end at a multicast group
         numbered = {k: v for k, v in self._tap.numbered.items() if not self._is_own(k)}
         return losses(numbered)
 
-    def clear(self) -> None:
-        pass
-
     def close(self) -> None:
         self._tap.close()
 
@@ -113,37 +107,34 @@ class _ZenohEnd:  # an end at a Zenoh bus, which carries each message's origin w
         self.trouble = ""
         # longer than for local programs: a lossy long-distance line can stall for seconds
         patient = url.with_option("patience", str(_PATIENCE))
-        self._listener = ZenohObserver(patient, self._note, is_relay=True)
+        self._observer = ZenohObserver(patient, self._note, is_relay=True)
 
     @property
     def dropped(self) -> int:
-        return self._listener.dropped
+        return self._observer.dropped
 
     @property
     def dropped_of(self) -> Mapping[str, int]:
-        return self._listener.dropped_of
+        return self._observer.dropped_of
 
     def receive(self, timeout: float) -> list[Packet]:
         try:
-            packets = self._listener.receive(timeout)
+            packets = self._observer.receive(timeout)
         except EOFError:  # it is closing
             return []
-        own = self._listener.sender
+        own = self._observer.sender
         others = (packet for packet in packets if packet.sender != own)
         return [one for one in others if one.origin is None or one.origin.hops < _MOST_HOPS]
 
     def send(self, message: LineMessage) -> None:
         is_state = message.due == math.inf
-        self._listener.send(message.channel, message.payload, message.origin, latched=is_state)
+        self._observer.send(message.channel, message.payload, message.origin, latched=is_state)
 
     def losses(self) -> Mapping[Sender, Loss]:
-        return losses(self._listener.numbered)
-
-    def clear(self) -> None:
-        pass
+        return losses(self._observer.numbered)
 
     def close(self) -> None:
-        self._listener.close()
+        self._observer.close()
 
     def _note(self, _text: str, trouble: str) -> None:
         self.trouble = trouble
@@ -158,22 +149,22 @@ class _TcpqEnd:  # an end at a server, which sends everything back
 
         self.trouble = ""
         self._echo = EchoFilter()
-        self._listener = LcmObserver(url, self._note)
+        self._observer = LcmObserver(url, self._note)
         self._bulk = BulkConnection(url, self._note_sending)
         self._bulk_channels: set[str] = set()
 
     @property
     def dropped(self) -> int:
-        return self._bulk.failed + self._bulk.queue.dropped
+        return self._bulk.failed + self._bulk.queue.waiting.dropped
 
     @property
     def dropped_of(self) -> Mapping[str, int]:
-        return self._bulk.queue.dropped_of
+        return self._bulk.queue.waiting.dropped_of
 
     def receive(self, timeout: float) -> list[Packet]:
         try:
-            self._bulk.attend(self._listener.own_address)
-            packets = self._listener.receive(timeout, self._bulk.sockets)
+            self._bulk.attend(self._observer.own_address)
+            packets = self._observer.receive(timeout, self._bulk.sockets)
         except EOFError:  # it is closing
             time.sleep(timeout)
             return []
@@ -183,24 +174,21 @@ class _TcpqEnd:  # an end at a server, which sends everything back
 
     def send(self, message: LineMessage) -> None:
         check_channel(message.channel)
-        is_large = len(message.payload) > BULK_BYTES and message.channel not in TALK_CHANNELS
+        is_large = len(message.payload) > BULK_BYTES and message.channel not in PROTOCOL_CHANNELS
         if is_large and self._bulk.sockets:
             self._bulk_channels.add(message.channel)
         if message.channel in self._bulk_channels:
             self._bulk.queue.add([message])
             return
         self._note_sending(message)
-        self._listener.send(message.channel, message.payload)
+        self._observer.send(message.channel, message.payload)
 
     def losses(self) -> Mapping[Sender, Loss]:
         return {}
 
-    def clear(self) -> None:
-        self._bulk.queue.clear()
-
     def close(self) -> None:
         self._bulk.close()
-        self._listener.close()
+        self._observer.close()
 
     def _note_sending(self, message: LineMessage) -> None:
         self._echo.sends(message.channel, message.payload)

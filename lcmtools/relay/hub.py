@@ -10,6 +10,7 @@ arrives late.
 
 import contextlib
 import errno
+import re
 import selectors
 import socket
 import struct
@@ -20,21 +21,23 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import NoReturn
 
+from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.bus.kernel import is_unanswered, keep_little_waiting
 from lcmtools.bus.line_buffer import LineBuffer
+from lcmtools.bus.records import this_process
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, os_errors_as
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.full_line import LineRates
 from lcmtools.graph.model import FullLine, Traffic
-from lcmtools.graph.protocol import NODE_CHANNEL, TALK_CHANNELS, head_of
-from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.graph.protocol import NODE_CHANNEL, PROTOCOL_CHANNELS, head_of
+from lcmtools.observe.reading.presence import Presence
 from lcmtools.relay.announcing import heard_of_programs
 from lcmtools.relay.bulk_connection import BULK_BYTES
 from lcmtools.relay.fair_queue import LATE, FairQueue
 from lcmtools.text_table import plural
 from lcmtools.wire import tcpq
-from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.tcpq import Frame
 
@@ -42,8 +45,6 @@ _READ_BYTES = 1 << 18  # read from one client before it is the next one's turn
 _MOST_WAITING = 32 << 20  # most bytes that wait for a client
 _AT_ONCE = 4096  # bytes of frames that are passed to the system together
 _MOST_CLIENTS = 500
-_MOST_PATTERNS = 10_000  # of one client
-_MOST_CHANNELS = 10_000  # channels whose receivers are remembered
 _GREETING_TIME = 10.0  # [s] that a client has to send its greeting
 _SAME = 20  # first characters of a reason that identify a fault
 _CHECK_PERIOD = 0.25  # [s] between checks for clients that do not greet, or receive nothing
@@ -71,7 +72,7 @@ class _Client:  # one client: its connection, its patterns, and the frames that 
         self.large: _Client | None = None  # its second connection, for large messages
         self.since = now
         self.reader = tcpq.FrameReader()
-        self.patterns: dict[str, ChannelPattern] = {}
+        self.patterns: dict[str, re.Pattern[str]] = {}
         self.times: Counter[str] = Counter()  # how often each pattern is subscribed to
         self.heard = now  # the last time that it may have received something
         self.counted = 0  # dropped messages that the hub has counted
@@ -99,12 +100,12 @@ class _Client:  # one client: its connection, its patterns, and the frames that 
 
     def matches(self, channel: str) -> bool:
         """Return whether it subscribes to a channel."""
-        return any(pattern.matches(channel) for pattern in self.patterns.values())
+        return any(pattern.fullmatch(channel) for pattern in self.patterns.values())
 
     def subscribe(self, pattern: str) -> None:
         """Add a pattern; PatternError is raised if it cannot be parsed."""
         if pattern not in self.patterns:
-            self.patterns[pattern] = ChannelPattern(pattern)
+            self.patterns[pattern] = compile_pattern(pattern)
         self.times[pattern] += 1
 
     def unsubscribe(self, pattern: str) -> None:
@@ -165,10 +166,10 @@ class Hub(AbstractContextManager["Hub"]):
         self.port = int(self._listener.getsockname()[1])
         self.counts = HubCounts()
         self._clients: dict[socket.socket, _Client] = {}
-        self._receivers: dict[str, list[_Client]] = {}
-        self._large: set[str] = set()  # channels that have had large messages
+        self._receivers = BoundedDict[str, list[_Client]]()
+        self._large = BoundedDict[str, bool]()  # channels that have had large messages
         self._changed: set[_Client] = set()
-        self._said: set[tuple[str, str]] = set()
+        self._said = BoundedDict[tuple[str, str], bool]()
         self._next_check = 0.0
         self._builder = GraphBuilder()
         self._selector = selectors.DefaultSelector()
@@ -281,8 +282,8 @@ class Hub(AbstractContextManager["Hub"]):
         if frame.kind != tcpq.SUBSCRIBE:
             client.unsubscribe(frame.name)
             return
-        if len(client.patterns) >= _MOST_PATTERNS:
-            raise tcpq.StreamError(f"it has more than {_MOST_PATTERNS} subscriptions")
+        if len(client.patterns) >= MOST_ENTRIES:
+            raise tcpq.StreamError(f"it has more than {MOST_ENTRIES} subscriptions")
         try:
             client.subscribe(frame.name)
         except PatternError as error:  # its other subscriptions may be valid
@@ -302,16 +303,11 @@ class Hub(AbstractContextManager["Hub"]):
 
     def _pass(self, message: Frame) -> None:
         if len(message.data) > BULK_BYTES and message.name not in self._large:
-            if len(self._large) >= _MOST_CHANNELS:
-                self._large.clear()
-            self._large.add(message.name)
+            self._large[message.name] = True
             self._receivers.pop(message.name, None)
-        receivers = self._receivers.get(message.name)
+        receivers = self._receivers.use(message.name)
         if receivers is None:
-            receivers = self._receivers_of(message.name)
-            if len(self._receivers) >= _MOST_CHANNELS:
-                self._receivers.clear()
-            self._receivers[message.name] = receivers
+            receivers = self._receivers[message.name] = self._receivers_of(message.name)
         now = time.monotonic()
         for client in receivers:
             client.add(message, now)
@@ -373,8 +369,8 @@ class Hub(AbstractContextManager["Hub"]):
 
     def _say(self, who: str, what: str, text: str) -> None:
         """Notify once about each client's fault: a broken client tries again and again."""
-        if (who, what) not in self._said and len(self._said) < _MOST_CHANNELS:
-            self._said.add((who, what))
+        if (who, what) not in self._said:
+            self._said[who, what] = True
             self._notify(text)
 
 
@@ -399,7 +395,9 @@ def serve(
     ``on_turn`` is called several times a second; ``on_shutdown`` when another program requests this
     one to end.
     """
-    presence = Presence(own_node(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown)
+    presence = Presence(
+        this_process(f"/tcpq_server_{hub.port}", tool=False), hub.publish, on_shutdown
+    )
     next_look = 0.0
     try:
         while True:
@@ -408,7 +406,7 @@ def serve(
                 next_look = now + _LOOK_PERIOD
                 presence.tell(hub.observed(), hub.full_lines(now))
             for frame in hub.turn(_TURN):
-                if frame.name in TALK_CHANNELS:
+                if frame.name in PROTOCOL_CHANNELS:
                     presence.answer(frame.name, tcpq.payload_of(frame))
             on_turn(hub.counts)
     finally:

@@ -2,14 +2,11 @@
 
 No message comes back, runs in a loop or arrives twice. A relay never receives its own messages:
 they come from its own ports, or are a server's echo. If there are several relays, those that
-``topology`` chooses carry messages; the others stand by and pass nothing on. Messages from the
-ports of a relay that should stand by are ignored, so that two relays that do not know of each other
-yet make no loop. A relay waits before it carries, to hear of others first (see ``hold``). UDP
-multicast carries nothing with a message: the sender's port identifies the relay, whose report tells
-what it brings.
+``topology`` chooses carry messages; the others stand by and pass nothing on. A relay waits before
+it carries, to hear of others first (``topology.StartDelay``).
 
-When a carrying relay says goodbye, another one takes over at once; when it is killed, after the
-time in which silent nodes become stale.
+When a carrying relay says goodbye, another one takes its place at once; when it is killed, after
+the time in which silent nodes become stale.
 """
 
 import contextlib
@@ -23,21 +20,20 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from typing import NoReturn
 
-from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.records import NodeRecords, this_process
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.graph import protocol
 from lcmtools.graph.model import RelayStep
-from lcmtools.graph.relay_report import End, Knowledge, Link, State, decode_report, encode_report
+from lcmtools.graph.relay_report import End, Link, Report, State, decode_report, encode_report
 from lcmtools.names import check_node
-from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.observe.reading.presence import Presence
 from lcmtools.relay.announcing import Announced
 from lcmtools.relay.ends import bus_name, open_end
-from lcmtools.relay.hold import Hold
-from lcmtools.relay.line_queue import LineMessage
+from lcmtools.relay.fair_queue import LineMessage
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
-from lcmtools.relay.topology import KnownRelays
+from lcmtools.relay.topology import KnownRelays, StartDelay
 from lcmtools.wire.packet import Packet
 
 _EARLY = 0.1  # [s] between reports before it carries: any message on LCM may be lost
@@ -68,7 +64,7 @@ class Relay(AbstractContextManager["Relay"]):
         name: str = "",
         on_shutdown: Callable[[], None] = lambda: None,
     ) -> None:
-        node = own_node(name or usual_name(), tool=False)
+        node = this_process(name or usual_name(), tool=False)
         check_node(node.name)
         identifier = f"{time.time_ns():016x}-{os.urandom(4).hex()}"
         node = node._replace(id=identifier)
@@ -80,7 +76,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._presences = []
         for side, url in zip(self._sides, urls, strict=True):
             own, records = node._replace(ports=side.end.ports[1:]), NodeRecords(url, os.environ)
-            self._presences.append(Presence(own, side.talk, on_shutdown, records))
+            self._presences.append(Presence(own, side.send_first, on_shutdown, records))
         self._announced = []
         for one, other in ((here, there), (there, here)):
             step, ways = RelayStep(identifier, node.name, one.bus), (one.direction, other.direction)
@@ -89,7 +85,7 @@ class Relay(AbstractContextManager["Relay"]):
         self._lock = threading.RLock()
         self._carries = False
         lines = (side.identifier for side in self._sides if not side.end.is_quick)
-        self._hold = Hold(lines, time.monotonic())
+        self._delay = StartDelay(lines, time.monotonic())
         self._next_report = self._next_observed = 0.0
         self._error: BaseException | None = None
         self._troubles = ["", ""]
@@ -109,14 +105,14 @@ class Relay(AbstractContextManager["Relay"]):
         for thread in self._threads:
             thread.start()
         for side in self._sides:
-            side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
+            side.send_first(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         return self
 
     def __exit__(self, *_: object) -> None:
         """Send waiting messages for a moment, say goodbye and leave the buses."""
         self._ends.set()
         deadline = time.monotonic() + _FLUSH
-        while any(side.queue.is_waiting for side in self._sides) and time.monotonic() < deadline:
+        while any(side.queue for side in self._sides) and time.monotonic() < deadline:
             time.sleep(0.005)
         self._stopped.set()
         for side in self._sides:
@@ -127,9 +123,9 @@ class Relay(AbstractContextManager["Relay"]):
         for side, presence in zip(self._sides, self._presences, strict=True):
             side.queue.clear()
             with contextlib.suppress(BusError):
-                report = Knowledge(side.identifier, (self._known.own,))
+                report = Report(side.identifier, (self._known.own,))
                 side.end.send(LineMessage(protocol.RELAY_CHANNEL, encode_report(report)))
-            presence.send = side.talk_now
+            presence.send = side.send_now
             presence.announce(leaving=True)
             side.end.close()
 
@@ -179,11 +175,11 @@ class Relay(AbstractContextManager["Relay"]):
         with self._kept_errors():
             while not self._ends.is_set():
                 packets = side.end.receive(_WAIT)
-                talk, passed = side.sort(packets, other, passes=self._carries)
+                of_protocol, passed = side.sort(packets, other, passes=self._carries)
                 if passed:
                     other.send(passed)
-                if talk:
-                    self._hear_all(index, talk)
+                if of_protocol:
+                    self._hear_all(index, of_protocol)
 
     def _send(self, index: int) -> None:
         with self._kept_errors():
@@ -199,9 +195,9 @@ class Relay(AbstractContextManager["Relay"]):
             self._error = error
             self._ends.set()
 
-    def _hear_all(self, index: int, talk: list[Packet]) -> None:
+    def _hear_all(self, index: int, of_protocol: list[Packet]) -> None:
         with self._lock:
-            for packet in talk:
+            for packet in of_protocol:
                 self._hear(index, packet)
 
     def _hear(self, index: int, packet: Packet) -> None:
@@ -210,8 +206,7 @@ class Relay(AbstractContextManager["Relay"]):
         elif packet.channel == protocol.RELAY_CHANNEL:
             report = decode_report(packet.payload)
             end, now = self._sides[index].identifier, time.monotonic_ns()
-            address = packet.sender.address if packet.sender else ""
-            if report and self._known.add_report(report, end, now, address):
+            if report and self._known.add_report(report, end, now):
                 self._repeat_latched(index)  # for a relay that is new or was cut off
                 self._report(time.monotonic())
                 self._decide(time.monotonic())
@@ -219,7 +214,7 @@ class Relay(AbstractContextManager["Relay"]):
             if packet.channel == protocol.PROBE_CHANNEL:
                 self._answer(index, packet.payload)
                 side = self._sides[index]
-                side.talk(protocol.RELAY_CHANNEL, self._payload(side))
+                side.send_first(protocol.RELAY_CHANNEL, self._payload(side))
             # last: a program that has the relay's answer then has those of the nodes behind it
             self._presences[index].answer(packet.channel, packet.payload)
 
@@ -236,7 +231,7 @@ class Relay(AbstractContextManager["Relay"]):
         size, now = len(packet.payload), time.monotonic_ns()
         passed = self._announced[index].convert(announcement, size, now)
         if passed is not None:
-            other.talk(protocol.NODE_CHANNEL, protocol.encode_announcement(passed))
+            other.send_first(protocol.NODE_CHANNEL, protocol.encode_announcement(passed))
 
     def _answer(self, index: int, payload: bytes) -> None:
         """Answer a probe on one bus for the nodes of the other one, or pass it on to one of them.
@@ -250,7 +245,7 @@ class Relay(AbstractContextManager["Relay"]):
         announced = self._announced[1 - index]
         if probe.target and (target := announced.target(probe.target)) is not None:
             again = protocol.encode_probe(protocol.Probe(target, probe.nonce))
-            self._sides[1 - index].talk(protocol.PROBE_CHANNEL, again)
+            self._sides[1 - index].send_first(protocol.PROBE_CHANNEL, again)
         if not probe.target:
             self._owes[index] = True
             self._answer_owed(index)
@@ -262,18 +257,18 @@ class Relay(AbstractContextManager["Relay"]):
         self._owes[index], began = False, time.thread_time()
         for announcement in self._announced[1 - index].recent(time.monotonic_ns()):
             payload = protocol.encode_announcement(announcement)
-            self._sides[index].talk(protocol.NODE_CHANNEL, payload)
+            self._sides[index].send_first(protocol.NODE_CHANNEL, payload)
         self._rested[index] = time.monotonic() + time.thread_time() - began
 
     def _payload(self, side: Side) -> bytes:
-        return encode_report(Knowledge(side.identifier, self._known.links()))
+        return encode_report(Report(side.identifier, self._known.links()))
 
     def _report(self, now: float) -> None:
         self._next_report = now + protocol.PERIOD
         state = State.ACTIVE if self._carries else State.STANDBY
         self._known.update(state, self._states())
         for side in self._sides:
-            side.talk(protocol.RELAY_CHANNEL, self._payload(side))
+            side.send_first(protocol.RELAY_CHANNEL, self._payload(side))
 
     def _tell_observed(self, now: float) -> None:
         """Tell each bus, once a second and soon after a change, what is heard on the other one."""
@@ -287,11 +282,9 @@ class Relay(AbstractContextManager["Relay"]):
 
     def _decide(self, now: float) -> None:
         active, own = self._known.carrying(), self._known.own.id
-        for side in self._sides:
-            side.idle = self._known.idle(side.identifier, active)
-        self._hold.update(self._known.links(), active, now)
+        self._delay.update(self._known.own, now)
         waits = self._waits(now)
-        self._say_awaited(self._hold.awaited(now) if waits else "")
+        self._say_awaited(self._delay.awaited(now) if waits else "")
         carries = own in active and not waits
         if carries != self._carries:
             self._change(now, carries=carries)
@@ -306,16 +299,14 @@ class Relay(AbstractContextManager["Relay"]):
             for index, side in enumerate(self._sides):
                 side.forget_routes()
                 self._repeat_latched(index)
-                side.talk(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
+                side.send_first(protocol.PROBE_CHANNEL, protocol.encode_probe(protocol.Probe()))
         else:
-            for side, announced in zip(self._sides, self._announced, strict=True):
+            for side in self._sides:
                 side.queue.clear()  # it would mix with the next relay's messages
-                side.end.clear()
-                announced.forget()
         self._report(now)
 
     def _waits(self, now: float) -> bool:
-        return not self._carries and self._hold.lasts(now)
+        return not self._carries and self._delay.lasts(now)
 
     def _repeat_latched(self, index: int) -> None:
         """Send latched messages again to a bus where they may have been lost."""
@@ -355,7 +346,7 @@ class Relay(AbstractContextManager["Relay"]):
             trouble = side.end.trouble
             if bool(trouble) != bool(self._troubles[index]):
                 changed = True
-                self._hold.begin(now)
+                self._delay.begin(now)
                 self._notify(trouble or f"{side.bus} is back")
             self._troubles[index] = trouble
         return changed

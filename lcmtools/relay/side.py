@@ -13,19 +13,18 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import MOST_NODES, GraphBuilder
 from lcmtools.graph.full_line import LineRates
 from lcmtools.graph.model import STALE_AFTER, FullLine, Graph, Traffic
-from lcmtools.graph.protocol import TALK_CHANNELS, Announcement, head_of
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS, Announcement, head_of
 from lcmtools.graph.relay_report import End
 from lcmtools.messages.registry import candidates
 from lcmtools.observe.simulators import is_simulator
 from lcmtools.relay.announcing import heard_of_programs, is_young, renamed
 from lcmtools.relay.ends import BusEnd
-from lcmtools.relay.fair_queue import LATE
-from lcmtools.relay.line_queue import LineMessage, LineQueue
+from lcmtools.relay.fair_queue import LATE, LineMessage, LineQueue
 from lcmtools.relay.rules import INTERNAL, Direction, Reason, Route
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.stamp import Origin
 
-_MOST_ROUTES, _MOST_COMMANDS = 10_000, 20
+_MOST_COMMANDS = 20
 _MOST_BYTES = 64 << 20  # of the latest messages that are kept
 _WAIT = 0.1  # [s]
 _SMALL = 16 << 10  # largest message [byte] kept for a topic that is not known to be latched
@@ -40,8 +39,6 @@ class Side:
         self.identifier, self.bus, self.end = identifier, bus, end
         self.direction = direction
         self.queue = LineQueue()  # messages that wait to be sent to the bus
-        # Senders on this bus that belong to relays which should not carry messages.
-        self.idle: frozenset[Sender] = frozenset()
         # Topics that do not pass because they are not named exactly, with their names there.
         self.commands: dict[str, str] = {}
         self.named_only: dict[str, None] = {}  # the names in the options of topics that need them
@@ -53,10 +50,10 @@ class Side:
         self._own_nodes = BoundedDict[str, int](MOST_NODES, _MOST_BYTES)
         self._revisions = BoundedDict[bytes, bytes](MOST_NODES, _MOST_BYTES)
         self._lock = threading.Lock()  # guards the graph
-        self._routes: dict[tuple[str, bytes], Route] = {}
-        self._next = BoundedDict[str, float](_MOST_ROUTES)
+        self._routes = BoundedDict[tuple[str, bytes], Route]()
+        self._next = BoundedDict[str, float]()
         # The last messages of each sender on latched topics, and on those not known to be latched.
-        self._latched, self._last = (_Latest(_MOST_ROUTES, _MOST_BYTES) for _ in range(2))
+        self._latched, self._last = (_Latest(most_bytes=_MOST_BYTES) for _ in range(2))
         self._messages = self._bytes = self._left_out = self._failed = 0
         self.late = 0  # messages from this bus that were held up before they came here
 
@@ -64,33 +61,33 @@ class Side:
         self, packets: list[Packet], other: "Side", *, passes: bool
     ) -> tuple[list[Packet], list[LineMessage]]:
         """Return the messages of the protocol among these, and the messages for the other bus."""
-        talk, passed = [], []
+        of_protocol, passed = [], []
         takes_origin = other.end.takes_origin
-        idle, routes, left_out, late = self.idle, self._routes, 0, 0
+        routes, left_out, late = self._routes, 0, 0
         due, oldest = time.monotonic() + LATE, time.time_ns() - LATE * 1e9
         for packet in packets:
             channel, payload = packet.channel, packet.payload
-            if channel in TALK_CHANNELS:
-                talk.append(packet)
-            elif not (idle and packet.sender in idle):
-                route = routes.get((channel, payload[:8])) or self._route(packet, other)
-                if route.reason or (route.period and self._is_too_soon(packet, route.period)):
-                    left_out += passes
-                elif packet.time < oldest and not route.latched:  # held up before it came here
-                    late += passes
-                else:
-                    origin = origin_of(packet) if takes_origin else None
-                    until = math.inf if route.latched else due
-                    message = LineMessage(route.name, payload, route.newest, origin, until)
-                    passed.append(message)
-                    if route.latched or len(payload) <= _SMALL:
-                        # also while standing by, for a takeover
-                        self._keep(packet, message, is_latched=route.latched)
+            if channel in PROTOCOL_CHANNELS:
+                of_protocol.append(packet)
+                continue
+            route = routes.get((channel, payload[:8])) or self._route(packet, other)
+            if route.reason or (route.period and self._is_too_soon(packet, route.period)):
+                left_out += passes
+            elif packet.time < oldest and not route.latched:  # held up before it came here
+                late += passes
+            else:
+                origin = origin_of(packet) if takes_origin else None
+                until = math.inf if route.latched else due
+                message = LineMessage(route.name, payload, route.newest, origin, until)
+                passed.append(message)
+                if route.latched or len(payload) <= _SMALL:
+                    # also while standing by, for a takeover
+                    self._keep(packet, message, is_latched=route.latched)
         self._left_out += left_out
         self.late += late
         with self._lock:
-            self._builder.add_all([x for x in packets if x.channel not in TALK_CHANNELS])
-        return talk, passed if passes else []
+            self._builder.add_all([x for x in packets if x.channel not in PROTOCOL_CHANNELS])
+        return of_protocol, passed if passes else []
 
     def _keep(self, packet: Packet, message: LineMessage, *, is_latched: bool) -> None:
         key = packet.channel, packet.sender
@@ -135,7 +132,7 @@ class Side:
 
     def full_line(self, now: float) -> tuple[FullLine, ...]:
         """Return the line to this bus, if it takes less than it gets; ``now`` is monotonic [s]."""
-        queue, of_end = self.queue, dict(self.end.dropped_of)  # may grow meanwhile
+        queue, of_end = self.queue.waiting, dict(self.end.dropped_of)  # may grow meanwhile
         dropped = dict(queue.dropped_of)
         for channel, number in of_end.items():
             dropped[channel] = dropped.get(channel, 0) + number
@@ -149,7 +146,7 @@ class Side:
 
     def forget_routes(self) -> None:
         """Recompute which topics pass, because nodes have come or gone."""
-        self._routes = {}
+        self._routes = BoundedDict[tuple[str, bytes], Route]()
         with self._lock:
             self._graph = None
 
@@ -187,7 +184,7 @@ class Side:
 
     def _send(self, message: LineMessage) -> None:
         """Send a message and count it, even if that fails."""
-        counts = message.channel not in TALK_CHANNELS
+        counts = message.channel not in PROTOCOL_CHANNELS
         try:
             self.end.send(message)
         except LcmtoolsError:
@@ -196,11 +193,11 @@ class Side:
             self._messages += counts
             self._bytes += len(message.payload) if counts else 0
 
-    def talk(self, channel: str, payload: bytes) -> None:
+    def send_first(self, channel: str, payload: bytes) -> None:
         """Queue a message of the protocol."""
         self.queue.add_first(LineMessage(channel, payload))
 
-    def talk_now(self, channel: str, payload: bytes) -> None:
+    def send_now(self, channel: str, payload: bytes) -> None:
         """Send a message of the protocol, once no other thread is sending."""
         try:
             self.end.send(LineMessage(channel, payload))
@@ -225,7 +222,7 @@ class Side:
             messages=self._messages,
             bytes=self._bytes,
             left_out=self._left_out,
-            dropped=self._failed + self.queue.dropped + self.end.dropped + late,
+            dropped=self._failed + self.queue.waiting.dropped + self.end.dropped + late,
             lost=sum(loss.lost for loss in self.end.losses().values()),
             commands=other.awaited(self.commands) if other and self.commands else (),
         )
@@ -235,8 +232,6 @@ class Side:
         obeyed = not isinstance(name, Reason) and other.obeyed(name)
         route = self.direction.route(packet.channel, self._types(packet), obeyed=obeyed)
         route = replace(route, latched=self.graph().topic(packet.channel).is_latched)
-        if len(self._routes) >= _MOST_ROUTES:
-            self._routes.clear()
         self._routes[packet.channel, packet.payload[:8]] = route
         self.has_new_route = True
         if route.reason is Reason.COMMAND and len(self.commands) < _MOST_COMMANDS:

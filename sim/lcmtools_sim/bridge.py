@@ -12,7 +12,6 @@ from lcmtools.node.publisher import Publisher, publish_together
 from lcmtools.node.subscription import Subscription
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.drive_command import out_of_range
 from lcmtools_sim.mounted import Sample, Subscribers
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.robots.model import CommandTopic
@@ -128,16 +127,15 @@ class Bridge:
 
     def _commander(self, steered: _Steered, topic: str) -> Callable[[Command], None]:
         def command(message: Command) -> None:
-            robot = self._robots[steered]
             try:
-                robot.command(message)
+                reduced = self._robots[steered].command(message)
             except ValueMismatch as error:
                 self._warn_of(topic, str(error), f"command ignored: {error}")
                 return
             for key in [key for key in self._faults if key[0] == topic and key[1]]:
                 del self._faults[key]
-            if reason := out_of_range(message, robot.model):
-                self._warn_of(topic, "", f"command reduced: {reason}")
+            if reduced:
+                self._warn_of(topic, "", f"command reduced: {reduced}")
 
         return command
 

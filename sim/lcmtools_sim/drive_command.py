@@ -4,7 +4,7 @@ Pure decisions on one message, without its sender and time. Wrong ones are refus
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from lcmtools.errors import ValueMismatch
 from lcmtools.types.geometry_msgs import Twist
@@ -15,57 +15,46 @@ from lcmtools_sim.robots.model import RobotModel
 _ROUNDING = 1 + 1e-6  # a controller that limits its own commands may compute in float32
 
 
-def interpret(message: JointState | Twist, model: RobotModel) -> SideSpeeds:
+def interpret(message: JointState | Twist, model: RobotModel) -> tuple[SideSpeeds, str]:
     """Return the side speeds [m/s] for a command, within the robot's limits.
 
     A Twist gives the forward speed and turn rate; a JointState gives the efforts of the sides
     (fractions of full power) or, without efforts, their wheel speeds [rad/s]. For another message,
-    ValueMismatch names the field.
-    """
-    if isinstance(message, Twist):
-        forward = _finite("linear.x", message.linear.x)
-        return side_speeds(forward, _finite("angular.z", message.angular.z), model.drive)
-    if not isinstance(message, JointState):
-        what = f"a {type(message).__name__} is not a command"
-        raise ValueMismatch(what, "send a JointState or a Twist")
-    if message.effort:
-        left, right = _by_side("effort", message.effort, message.name, model)
-        full = model.drive.full_speed
-        return SideSpeeds(max(-1.0, min(1.0, left)) * full, max(-1.0, min(1.0, right)) * full)
-    if message.velocity:
-        speeds = _wheel_speeds(message, model)
-        return side_speeds(*body_velocity(*speeds, model.drive.track), model.drive)
-    raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
-
-
-def out_of_range(message: JointState | Twist, model: RobotModel) -> str:
-    """Return the first value beyond the robot's limits, to which it is reduced; "" for none.
-
-    ``interpret`` must accept the message.
+    ValueMismatch names the field. With them comes a text: the first value beyond the robot's
+    limits, to which it is reduced; "" for none.
     """
     drive = model.drive
-    if isinstance(message, JointState) and message.effort:
-        values = [(f"effort[{i}]", value, 1.0, "") for i, value in enumerate(message.effort)]
+    if isinstance(message, Twist):
+        forward = _finite("linear.x", message.linear.x)
+        turn_rate = _finite("angular.z", message.angular.z)
+        names = "linear.x", "angular.z"
+    elif not isinstance(message, JointState):
+        what = f"a {type(message).__name__} is not a command"
+        raise ValueMismatch(what, "send a JointState or a Twist")
+    elif message.effort:
+        left, right = _by_side("effort", message.effort, message.name, model)
+        efforts = [(f"effort[{i}]", value, 1.0, "") for i, value in enumerate(message.effort)]
+        full = drive.full_speed
+        kept = (max(-1.0, min(1.0, side)) * full for side in (left, right))
+        return SideSpeeds(*kept), _reduced(efforts)
+    elif message.velocity:
+        left, right = _by_side("velocity", message.velocity, message.name, model)
+        speeds = (left * drive.wheel_radius, right * drive.wheel_radius)
+        forward, turn_rate = body_velocity(*speeds, drive.track)
+        names = "the speed of the wheels", "the turn rate of the wheels"
     else:
-        names, (forward, turn_rate) = ("linear.x", "angular.z"), (0.0, 0.0)
-        if isinstance(message, Twist):
-            forward, turn_rate = message.linear.x, message.angular.z
-        else:
-            names = "the speed of the wheels", "the turn rate of the wheels"
-            forward, turn_rate = body_velocity(*_wheel_speeds(message, model), drive.track)
-        values = [
-            (names[0], forward, drive.max_speed, " m/s"),
-            (names[1], turn_rate, drive.max_turn_rate, " rad/s"),
-        ]
+        raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
+    limits = (forward, drive.max_speed, " m/s"), (turn_rate, drive.max_turn_rate, " rad/s")
+    values = [(name, *about) for name, about in zip(names, limits, strict=True)]
+    return side_speeds(forward, turn_rate, drive), _reduced(values)
+
+
+def _reduced(values: Iterable[tuple[str, float, float, str]]) -> str:
+    """Return the first of some values, with its limit and unit, that is beyond the limit."""
     for name, value, limit, unit in values:
         if abs(value) > limit * _ROUNDING:
             return f"{name} is {value:.4g}{unit}, the limit {limit:g}{unit}"
     return ""
-
-
-def _wheel_speeds(state: JointState, model: RobotModel) -> SideSpeeds:
-    left, right = _by_side("velocity", state.velocity, state.name, model)
-    return SideSpeeds(left * model.drive.wheel_radius, right * model.drive.wheel_radius)
 
 
 def _by_side(

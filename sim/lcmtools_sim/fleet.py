@@ -5,8 +5,8 @@ robot's motors, wheels and encoders, and also its body while the robot is free: 
 with nothing that it or others could reach until the next update. Otherwise, the engine moves the
 body, and its tyres pull it before each of the engine's steps: with floats (`Robot.pull`) or, if
 many robots of one `Vehicles` are held, with arrays (`HeldRobots`). `_choose_held` decides again ten
-times a second: `Robot.release` copies the body's motion from the engine to the row, `Robot.hold`
-copies it back before it can touch anything.
+times a second, and `Robot.hand_to` takes the body's motion along to its next owner, before it can
+touch anything.
 """
 
 from collections.abc import Sequence
@@ -59,7 +59,7 @@ class Fleet:
     def hold_all(self) -> None:
         """Make the engine know where all bodies are, to find overlaps."""
         for robot in self.robots:
-            robot.hold()
+            robot.hand_to(self._world)
         self._steps = 0
 
     def step(self) -> None:
@@ -104,11 +104,7 @@ class Fleet:
         self._free = free
         self.changes += 1
         for robot, is_free in zip(robots, free, strict=True):
-            robot.leave()
-            if is_free and not robot.is_free:
-                robot.release()
-            elif not is_free:
-                robot.hold()
+            robot.hand_to(robot.vehicles if is_free else self._world)
         self._held, self._many = [], []
         for vehicles, group in self._groups:
             held = [robot for robot in group if not robot.is_free]
@@ -122,7 +118,7 @@ class Fleet:
         group = HeldRobots(self._world, vehicles, rows, self._fall)
         self._many.append(group)
         for index, robot in enumerate(robots):
-            robot.join(group, index)
+            robot.hand_to(group, index)
 
     def _near(self, robots: Sequence[Robot]) -> list[bool]:
         """Return True for each robot that may touch something until the next update."""

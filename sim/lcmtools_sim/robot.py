@@ -24,6 +24,7 @@ from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import START_OVERLAP, World
 
 Robots = Vehicles | HeldRobots  # several robots, whose states are arrays
+Owner = Robots | World  # of a body
 _LEVEL = 1e-3  # [rad, m, m/s, rad/s] largest deviation that counts as standing on level ground
 
 
@@ -37,7 +38,8 @@ class Robot:
     def __init__(self, world: World, scene: Scene, placement: RobotPlacement) -> None:
         self.model, self.namespace = placement.model, placement.namespace
         self.world = world  # the engine's world
-        self.is_free = False  # True if the engine does not move it
+        self._owner: Owner = world  # what moves its body now
+        self._number = 0  # in a group that owns it
         # An upper bound of the distance of any point from the centre of mass [m].
         self.reach = solids_of(self.model.body.parts).reach + self.model.body.centre_of_mass
         self._dt = scene.dt
@@ -56,7 +58,6 @@ class Robot:
         self.body = world.add_robot(self.namespace, self.model.body, placement.pose)
         motion = world.motion(self.body)
         self._motions = motion, motion  # in the engine: the current one, and that of one step ago
-        self._group: HeldRobots | None = None
         # The frame of its odometry in the world, exact when the robot was placed.
         self.odometry_frame = self._frame(self.model.body.base_height)
 
@@ -71,10 +72,14 @@ class Robot:
             what = f"the {self.model.name} {self.namespace} starts {depth:.2f} m inside {other}"
             raise InvalidFile(f"{where}: {what}", "change its pose")
 
-    def command(self, message: JointState | Twist) -> None:
-        """Execute a command until the next or the timeout; ValueMismatch leaves the last one."""
-        left, right = interpret(message, self.model)
+    def command(self, message: JointState | Twist) -> str:
+        """Execute a command until the next or the timeout; ValueMismatch leaves the last one.
+
+        Return the first value that was reduced to the robot's limits; "" for none.
+        """
+        (left, right), reduced = interpret(message, self.model)
         self.vehicles.set(self.index, left_target=left, right_target=right, command_age=0.0)
+        return reduced
 
     def pull(self) -> None:
         """Let the wheels pull the body, before the engine's step."""
@@ -87,25 +92,49 @@ class Robot:
         """Read the body's motion, after the engine's step."""
         self._motions = self.world.motion(self.body), self._motions[0]
 
-    def join(self, group: HeldRobots, index: int) -> None:
-        """Let a group pull and observe this robot, until it leaves."""
-        self._group, self._group_index = group, index
+    def hand_to(self, owner: Owner, number: int = 0) -> None:
+        """Let another owner move the body from now on, with its present motion.
 
-    def leave(self) -> None:
-        """Leave the group, if there is one."""
-        self._motions, self._group = self.motions, None
+        Its ``vehicles`` take it, standing on level ground, out of the engine; its ``world`` moves
+        it there alone, and a group with others, of which it has a ``number``.
+        """
+        was_free, is_free = self.is_free, isinstance(owner, Vehicles)
+        if was_free and is_free:
+            return
+        self._motions = motion, before = self.motions
+        self._owner, self._number = owner, number
+        if was_free:
+            self.world.hold(self.body, motion)
+        elif is_free:
+            (x, y, _), (vx, vy, _) = motion.position, motion.velocity
+            values = {"x": x, "y": y, "yaw": yaw_of(motion.rotation), "vx": vx, "vy": vy}
+            values["turn_rate"] = motion.angular_velocity[2]
+            values |= {"before_vx": before.velocity[0], "before_vy": before.velocity[1]}
+            values["before_turn_rate"] = before.angular_velocity[2]
+            self.vehicles.set(self.index, **values)
+            self.world.release(self.body, lambda: self.motion)
+
+    @property
+    def is_free(self) -> bool:
+        """True if the engine does not move the body."""
+        return isinstance(self._owner, Vehicles)
 
     @property
     def motions(self) -> tuple[Motion, Motion]:
-        """Return its body's motion in the engine, and that of one step ago."""
-        return self._group.row(self._group_index) if self._group else self._motions
+        """Return its body's motion, and that of one step ago."""
+        if self.is_free:
+            return planar_motions(*self.vehicles.row(self.index))
+        return (
+            self._owner.row(self._number) if isinstance(self._owner, HeldRobots) else self._motions
+        )
 
     @property
     def batch(self) -> tuple[Robots, int] | None:
         """Return the robots whose state arrays include this robot's, and its index there."""
-        if not self.is_free:
-            return (self._group, self._group_index) if self._group else None
-        return None if self.vehicles.is_single else (self.vehicles, self.index)
+        if isinstance(self._owner, HeldRobots):
+            return self._owner, self._number
+        is_one = not self.is_free or self.vehicles.is_single
+        return None if is_one else (self.vehicles, self.index)
 
     @property
     def motion(self) -> Motion:
@@ -123,31 +152,6 @@ class Robot:
         deviation = place[2] - self.model.body.centre_of_mass, qx, qy, velocity[2], wx, wy
         return max(map(abs, deviation)) < _LEVEL
 
-    def release(self) -> None:
-        """Take the body, which stands on level ground, out of the engine."""
-        (place, rotation, velocity, (_, _, turn_rate)), before = self.motions
-        self.vehicles.set(
-            self.index,
-            x=place[0],
-            y=place[1],
-            yaw=yaw_of(rotation),
-            vx=velocity[0],
-            vy=velocity[1],
-            turn_rate=turn_rate,
-            before_vx=before.velocity[0],
-            before_vy=before.velocity[1],
-            before_turn_rate=before.angular_velocity[2],
-        )
-        self.world.release(self.body, lambda: self.motion)
-        self.is_free = True
-
-    def hold(self) -> None:
-        """Let the engine move the body from now on."""
-        if self.is_free:
-            self._motions = planar_motions(*self.vehicles.row(self.index))
-            self.world.hold(self.body, self._motions[0])
-            self.is_free = False
-
     def remove(self) -> None:
         """Remove its body from the world."""
         self.world.remove(self.body)
@@ -161,7 +165,7 @@ class Robot:
         self.world.place(self.body, centre, pose.rotation)
         self.vehicles.set(self.index, left_target=0.0, right_target=0.0, left=0.0, right=0.0)
         motion = self.world.motion(self.body)
-        self._motions, self._group = (motion, motion), None
+        self._motions, self._owner = (motion, motion), self.world
         x, y, yaw = self.vehicles.get(self.index, "odometry_x", "odometry_y", "odometry_yaw")
         base = self._frame(self.model.body.base_height)
         self.odometry_frame = base.place(Pose(x, y, yaw=yaw).frame.inverse())

@@ -7,9 +7,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
+from typing import Annotated
 
 from lcmtools.errors import UsageError
+from lcmtools.formats.typed import Within
 from lcmtools.names import did_you_mean
+from lcmtools.text_table import plural
 from lcmtools_sim.geometry import ORIGIN, Pose, Vector
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.shapes import Color, Cuboid, Line, Part
@@ -23,8 +26,8 @@ WOOD: Color = (0.7, 0.6, 0.45)
 class Ground:
     """The plane z = 0."""
 
-    friction: float = 1.0  # Coulomb coefficient; multiplied by a box's or a tyre's
-    color: Color = (0.55, 0.57, 0.55)  # red, green, blue, 0 to 1
+    friction: Annotated[float, Within(0, 10)] = 1.0  # Coulomb; multiplied by a box's or a tyre's
+    color: Annotated[Color, Within(0, 1)] = (0.55, 0.57, 0.55)  # red, green, blue, 0 to 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,5 +128,6 @@ def selected(scene: Scene, names: Sequence[str]) -> Scene:
 
 def contents(scene: Scene) -> str:
     """Return the robots and the number of objects of a scene, as one line."""
-    robots = ", ".join(f"{robot.model.name} {robot.namespace}" for robot in scene.robots)
-    return f"{robots or 'no robot'}; {len(scene.objects)} objects"
+    named = (f"{robot.model.name} {robot.namespace}" for robot in scene.robots)
+    robots = ", ".join(name.removesuffix(" /") for name in named)
+    return f"{robots or 'no robot'}; {plural(len(scene.objects), 'object')}"

@@ -180,7 +180,7 @@ def test_debug_after_the_command_shows_the_traceback(monkeypatch):
     def fail():
         raise ZeroDivisionError
 
-    monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)
+    monkeypatch.setattr("lcmtools.cli.msg.type_names", fail)
     monkeypatch.setenv("LCMTOOLS_DEBUG", "")
     with pytest.raises(ZeroDivisionError):
         main(["msg", "list", "--debug"])

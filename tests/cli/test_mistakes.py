@@ -169,7 +169,7 @@ def test_fault_of_its_own_is_one_line_and_a_traceback_only_with_debug(complaint,
     def fail():
         raise ZeroDivisionError("by zero")
 
-    monkeypatch.setattr("lcmtools.cli.msg.list.type_names", fail)
+    monkeypatch.setattr("lcmtools.cli.msg.type_names", fail)
     code, line = complaint("msg list")
     assert code == 1
     assert line == (

@@ -10,7 +10,7 @@ from lcmtools.cli.bag.record import command as record
 from lcmtools.cli.completion.line import locate
 from lcmtools.cli.completion.tree import describe
 from lcmtools.cli.node.list import cleanup
-from lcmtools.cli.param.read import get
+from lcmtools.cli.param import get
 from lcmtools.cli.ros import instead
 from lcmtools.cli.topic.pub import command as pub
 from lcmtools.errors import UsageError

@@ -16,7 +16,8 @@ from lcmtools.formats.strict_xml import Element, read_xml
 from lcmtools.formats.strict_yaml import read_file
 from lcmtools.launch.file import read_file as read_launch_file
 from lcmtools.launch.reading import make_plan
-from lcmtools.packages.comments import comments
+from lcmtools.packages.placed_type import comments
+from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.user_types import UserTypes
 from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.wire.log_index import SUFFIX
@@ -87,7 +88,7 @@ def test_a_damaged_type_is_refused_or_usable(name, words, rounds, tmp_path):
         assert source.fingerprints or source.problems or source.enums or not content.strip()
         for problem in source.problems:
             assert str(problem.error())
-        comments(content.decode("utf-8", "replace"))
+        comments(LcmFile(str(place), content), "T")
 
 
 YAML = b"""\

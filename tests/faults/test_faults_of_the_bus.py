@@ -1,6 +1,5 @@
 """Faults of the bus and the computer: routes, other buses, foreign datagrams, other users."""
 
-import os
 import pwd
 import shutil
 import time
@@ -184,10 +183,9 @@ def test_a_camera_that_stays_on_this_computer_on_purpose(world):
     assert world.look("--rule", "ttl", LCM_DEFAULT_URL=f"{BUS}1") == []
 
 
+@pytest.mark.root
 def test_another_user_on_the_same_bus(world):
-    setpriv = shutil.which("setpriv")
-    if os.getuid() != 0 or not setpriv:
-        pytest.skip("other users need root and setpriv")
+    setpriv = shutil.which("setpriv") or pytest.skip("another user needs setpriv")
     other = pwd.getpwnam("nobody")
     command = (setpriv, "--reuid", str(other.pw_uid), "--clear-groups", world.program("lcm-sink"))
     nodes = [world.node(name) for name in ("talker", "listener")]
@@ -245,9 +243,8 @@ def test_an_interface_without_a_link(world, second_interface, ip):
     world.finds("link", second_interface, "plug its cable in", **variable)
 
 
+@pytest.mark.root  # for raw sockets
 def test_datagrams_that_the_strict_filter_drops(world, second_interface, ip):
-    if os.getuid() != 0:
-        pytest.skip("raw sockets need root")
     ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
     variable = {"LCM_DEFAULT_URL": f"{BUS}1"}
     world.node("talker", **variable)
@@ -298,9 +295,8 @@ def test_a_route_that_does_not_leave_the_computer(world, second_interface, ip):
     world.is_silent(**variable)
 
 
+@pytest.mark.root  # for raw sockets
 def test_datagrams_whose_pieces_do_not_all_come(world):
-    if os.getuid() != 0:
-        pytest.skip("raw sockets need root")
     world.node("talker")
     world.node("listener")
     world.type("sysctl -w net.ipv4.ipfrag_time=1")

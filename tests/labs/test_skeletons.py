@@ -1,5 +1,6 @@
 """Skeletons pass the check of their lab when their TODOs are filled in, and nothing else."""
 
+import shlex
 import sys
 from textwrap import dedent, indent
 
@@ -143,7 +144,7 @@ def test_a_skeleton_passes_its_check_when_only_its_todos_are_filled(name, cli, t
     path = fill(name, cli, tmp_path)
     lab, option = CHECKS[name]
 
-    checked = cli("lab", "check", lab, f"--{option}", f"{sys.executable} {path}")
+    checked = cli("lab", "check", lab, f"--{option}", shlex.join([sys.executable, str(path)]))
 
     assert checked.code == 0, checked.out
 

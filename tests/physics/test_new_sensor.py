@@ -3,12 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 import pytest
 
 import lcmtools
 from lcmtools.errors import InvalidFile
+from lcmtools.formats.typed import Within
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import Range
@@ -20,7 +22,6 @@ from lcmtools_sim.sensors.sensor import (
     SensorKind,
     Settings,
     fill_header,
-    number,
 )
 from lcmtools_sim.vision.scan import Scanner
 from lcmtools_sim.world_file import read_scene
@@ -40,10 +41,10 @@ TOLERANCE = 0.01
 class SonarSettings(Settings):
     """The properties of a sonar."""
 
-    cone: float = number(math.radians(15), 0.01, 1.0, angle=True)
-    blind: float = number(0.02, 0.0, 10.0)
-    reach: float = number(4.0, 0.01, 10.0, above="blind")
-    wear: float = number(0.0, 0.0, 1.0)  # its cable brakes the encoders of this sonar's robot
+    cone: Annotated[float, Within(0.01, 1.0, unit="rad")] = math.radians(15)
+    blind: Annotated[float, Within(0.0, 10.0)] = 0.02
+    reach: Annotated[float, Within(0.01, 10.0, above="blind")] = 4.0
+    wear: Annotated[float, Within(0.0, 1.0)] = 0.0  # its cable brakes the encoders
 
     @property
     def encoder_noise(self):
@@ -92,9 +93,7 @@ def samples(simulation, kind):
 
 def test_a_world_file_may_mount_it_and_it_measures(simulate):
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar, pose: [0.5, 0, 0]}}]", "y.yaml"))
-
     ranges = samples(simulation, Range)
-
     assert simulation.topics()["/husky0/sonar"] is Range
     assert len(ranges) == 20
     assert [one.range for one in ranges] == pytest.approx([1.4] * 20, abs=TOLERANCE)
@@ -119,7 +118,6 @@ MISTAKES = {
 def test_mistakes_in_its_settings_are_refused_with_their_line(sensors):
     with pytest.raises(InvalidFile) as caught:
         read_scene(f"{YARD}{sensors}", "yard.yaml")
-
     assert str(caught.value) == f"yard.yaml:7: {MISTAKES[sensors]}"
 
 
@@ -127,7 +125,6 @@ def test_mistakes_in_its_settings_are_refused_with_their_line(sensors):
 def test_only_kinds_with_the_same_axes_may_share_a_frame(monkeypatch, *, is_optical):
     monkeypatch.setitem(SENSORS, "sonar", replace(SONAR, is_optical=is_optical))
     text = f"{YARD}[{{type: camera, frame: eye}}, {{type: sonar, frame: eye}}]"
-
     if is_optical:
         assert read_scene(text, "yard.yaml").robots[0].model.sensors[-1].frame == "eye"
     else:
@@ -139,9 +136,7 @@ def test_only_kinds_with_the_same_axes_may_share_a_frame(monkeypatch, *, is_opti
 def test_a_kind_that_needs_frames_is_made_after_the_others(simulate, monkeypatch, *, needs_frames):
     monkeypatch.setitem(SENSORS, "sonar", replace(SONAR, needs_frames=needs_frames))
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar}}]", "yard.yaml"))
-
     (message, *_) = samples(simulation, TFMessage)
-
     frames = {one.child_frame_id for one in message.transforms}
     assert ("husky0/sonar" in frames) is not needs_frames
 
@@ -150,7 +145,6 @@ def test_a_kind_that_needs_frames_is_made_after_the_others(simulate, monkeypatch
 def test_its_settings_may_disturb_the_encoders(simulate, settings):
     text = f"{YARD}[{{type: sonar{settings}}}]"
     (robot,) = simulate(scene=read_scene(text, "yard.yaml")).robots
-
     assert (robot.vehicles.noise > 0) is bool(settings)
 
 

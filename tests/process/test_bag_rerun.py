@@ -1,6 +1,7 @@
 """Programs tested with recordings, in lock-step and in real time."""
 
 import json
+import shlex
 import shutil
 import signal
 import subprocess
@@ -13,6 +14,7 @@ from fixtures.says import assert_says
 
 import lcmtools.bag
 from lcmtools import Node
+from lcmtools.bag.rerunning.private_bus import PrivateBus
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import UsageError
 from lcmtools.packages.cpp import compiler_flags
@@ -209,11 +211,12 @@ def test_a_plain_c_program_is_played_to_in_real_time(tmp_path, cli):
 
 def test_a_launch_file_is_run_and_chains_are_exact(tmp_path, cli):
     launch = tmp_path / "chain.yaml"
-    node = f"exec: {sys.executable}, args: {_NODE}"
-    launch.write_text(
-        f"nodes:\n- {{name: first, {node} __name:=first out:=middle}}\n"
-        f"- {{name: second, {node} __name:=second in:=middle _gain:=1.0}}\n"
-    )
+    python, node = shlex.quote(sys.executable), shlex.quote(str(_NODE))
+    nodes = [
+        {"name": name, "exec": python, "args": f"{node} __name:={name} {words}"}
+        for name, words in (("first", "out:=middle"), ("second", "in:=middle _gain:=1.0"))
+    ]
+    launch.write_text(json.dumps({"nodes": nodes}))
     middle = outputs(topic="/middle")
     log = written(tmp_path / "l.lcmlog", inputs() + middle + outputs())
     done = cli("bag", "rerun", log, "--json", "--twice", "--launch", str(launch))
@@ -386,7 +389,8 @@ def test_another_version_of_a_type_is_noted(rerun, tmp_path):
 @pytest.mark.parametrize("is_played", [False, True], ids=["at-its-start", "while-played-to"])
 def test_ctrl_c_leaves_no_process(log, start, lcmtools_path, tmp_path, *, is_played):
     pid, hangs = tmp_path / "pid", tmp_path / "hangs"
-    line = f"echo $$ > {pid}.new; mv {pid}.new {pid}; exec {sys.executable} {_NODE} _hang_at:=5"
+    node = shlex.join([sys.executable, str(_NODE), "_hang_at:=5"])
+    line = f"echo $$ > '{pid}.new'; mv '{pid}.new' '{pid}'; exec {node}"
     words = ("bag", "rerun", log, "--timeout", "60s", "--", "sh", "-c", line)
     runner = start(lcmtools_path, *words, MARK=str(hangs))
     while not (hangs if is_played else pid).exists():
@@ -394,3 +398,15 @@ def test_ctrl_c_leaves_no_process(log, start, lcmtools_path, tmp_path, *, is_pla
     runner.send_signal(signal.SIGINT)
     assert runner.wait() == 130
     assert is_gone(int(pid.read_text()))
+
+
+@pytest.mark.parametrize("is_given", [True, False])
+def test_a_stranger_cannot_connect_to_the_bus(is_given):
+    with PrivateBus() as bus:
+        port = bus.url.rpartition(":")[2]
+        text = f"import socket; print(socket.create_connection(('127.0.0.1', {port})).recv(8))"
+        words, given = [sys.executable, "-c", text], {"LCM_DEFAULT_URL": bus.url}
+        with subprocess.Popen(words, stdout=subprocess.PIPE, env=given if is_given else {}) as one:
+            while one.poll() is None:
+                bus.turn(0.05)
+            assert (one.stdout.read() != b"b''\n", bus.count) == (is_given, int(is_given))

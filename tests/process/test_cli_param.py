@@ -53,7 +53,7 @@ def driver(bus_url, start_node, monkeypatch):
 def test_list_and_get_take_both_spellings(cli):
     names = ["gain", "name", "pid.kp", "steps", "use_sim_time"]
     full = [f"/husky0/driver/{name}" for name in names]
-    for words in ([], ["driver"], ["/husky0/driver"], ["/husky0"]):
+    for words in ([], ["driver"], ["/husky0/driver"], ["/husky0"], ["driver", "__ns:=/husky0"]):
         assert cli("param", "list", *words).out.splitlines() == full
     assert "/husky0/driver/gain [float]: 1.0\n" in cli("param", "list", "-t", "-v").out
     for words in (["driver", "gain"], ["/husky0/driver/gain"], ["driver/gain"]):

@@ -47,7 +47,7 @@ def test_a_pub_of_so_many_fails(cli, ip):
 
 
 def test_once_fails_with_one_line(cli, ip):
-    ip("route", "del", *ROUTE)
+    ip(*CUT[0])
     result = cli("pub", "-1", *MESSAGE)
     assert result.code == 1
     (line,) = result.err.splitlines()

@@ -113,6 +113,20 @@ def test_programs_go_on_hearing_each_other(laptop, begin, url, change, python):
     talker.end()
 
 
+def test_programs_that_start_without_a_route_hear_each_other_and_follow_the_network(laptop, begin):
+    _lose_everything(laptop)
+    programs = [begin(_URL, "", *words) for words in (("run", "listener"), ("echo", "/chatter"))]
+    begin(_URL, "", *_TALK)
+    for program in programs:
+        program.wait_for("there is no route to 239.255.76.67")
+        program.wait_for("hello")
+    _connect(laptop, "w0", 600)
+    for program in programs:
+        program.wait_for("now go over w0")
+        for _ in range(5):
+            program.wait_for("hello")
+
+
 def test_a_recorder_counts_what_a_change_has_cost(
     laptop, start, lcmtools_path, tmp_path, wait_until
 ):

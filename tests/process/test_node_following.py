@@ -87,7 +87,6 @@ def test_announcements_do_not_pile_up_while_nobody_asks(join, channel_socket, wa
     other = Node("other", context=join())
     follower.graph()
     other.context.announcer.close()
-    follower.context.announcer.close()
     wait_until(lambda: _waiting_bytes(channel_socket()) == 0)
     payload = encode_announcement(Announcement(other.describe()))
 

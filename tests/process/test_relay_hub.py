@@ -223,10 +223,10 @@ def test_a_hostile_client_is_closed_with_one_line(hub, data, reason):
 
 def test_a_pattern_that_cannot_be_read_leaves_the_others(hub):
     with hub.connect() as client:
-        client.sendall(CLIENT_GREETING + subscribe_frame("(?<=a)b") + subscribe_frame("A"))
+        client.sendall(CLIENT_GREETING + subscribe_frame("(a*)*b") + subscribe_frame("A"))
         client.sendall(publish_frame("A", bytes(4)))
         assert _frames(client, last=0) == [0]
-    assert_says(hub.said[0], "receives nothing", "'(?<=a)b'", "not supported")
+    assert_says(hub.said[0], "receives nothing", "'(a*)*b'", "too long to match")
 
 
 def test_half_a_frame_and_a_sudden_end_harm_nobody(hub):

@@ -2,13 +2,13 @@
 
 import signal
 import socket
-import sys
 import urllib.request
 from contextlib import suppress
 from urllib.error import URLError
 from urllib.parse import urlsplit
 
 import pytest
+from fixtures.programs import PYTHON_SCRIPT
 
 pytest.importorskip("pybullet")
 pytest.importorskip("websockets")
@@ -51,7 +51,7 @@ def browser(tmp_path):
     """A program that reads the page that it is asked to open, notes it, and ends with it."""
     program = tmp_path / "browser"
     program.write_text(
-        f"#!{sys.executable}\n"
+        f"{PYTHON_SCRIPT}\n"
         "import contextlib, pathlib, sys, time, urllib.request\n"
         "read = lambda: urllib.request.urlopen(sys.argv[1], timeout=20).read()\n"
         "read()\n"

@@ -1,6 +1,8 @@
 """A dictionary with a bound."""
 
-from lcmtools.bounded import BoundedDict
+from collections import Counter
+
+from lcmtools.bounded import MOST_ENTRIES, BoundedDict, count
 
 
 def test_the_least_recently_used_entry_goes_first():
@@ -10,6 +12,16 @@ def test_the_least_recently_used_entry_goes_first():
     known["c"] = 3
     assert dict(known) == {"a": 1, "c": 3}
     assert known.forgotten == 1
+
+
+def test_of_too_many_channels_only_the_count_of_the_most_silent_one_is_forgotten():
+    counts = Counter()
+    for number in range(MOST_ENTRIES):
+        count(counts, f"/{number}")
+    count(counts, "/0")
+    count(counts, "/new")
+    assert len(counts) == MOST_ENTRIES
+    assert (counts["/0"], counts["/2"], "/1" in counts) == (2, 1, False)
 
 
 def test_reading_does_not_use_an_entry():

@@ -20,7 +20,6 @@ from lcmtools.messages.shape import as_sequence
 _ANGLE = re.compile(r"(?:.*_)?(?:roll|pitch|yaw|theta|heading|bearing|azimuth|angle)(_deg)?")
 _COUNT = re.compile(r"(?:.*_)?(?:seq|seqno|sequence|sequence_number)")
 _QUATERNION = ["x", "y", "z", "w"]
-_MOST_CELLS = 4_000_000  # of the table for messages that are missing
 
 
 class Compared(NamedTuple):
@@ -328,35 +327,19 @@ def _by_stamp(first: Sequence[object], second: Sequence[object]) -> list[tuple[i
 def _by_time(recorded: Sequence[Compared], rerun: Sequence[Compared]) -> list[tuple[int, int]]:
     """Match messages in their order; of the longer list, leave out those that fit worst by time."""
     short, long = sorted((recorded, rerun), key=len)
-    more = len(long) - len(short)
-    if not more or more * len(short) > _MOST_CELLS:
-        return [(n, n) for n in range(len(short))]
-    skipped = _skipped([one.time for one in short], [one.time for one in long], more)
-    kept = (n for n in range(len(long)) if n not in skipped)
-    pairs = list(enumerate(kept))
+    pairs, place = list[tuple[int, int]](), 0
+
+    def is_nearer(place: int, time: int) -> bool:
+        """Return whether the next one is nearer to a time."""
+        return abs(long[place + 1].time - time) < abs(long[place].time - time)
+
+    for number, one in enumerate(short):
+        last = len(long) - len(short) + number  # enough must be left for the others
+        while place < last and is_nearer(place, one.time):
+            place += 1
+        pairs.append((number, place))
+        place += 1
     return pairs if short is recorded else [(other, one) for one, other in pairs]
-
-
-def _skipped(short: Sequence[int], long: Sequence[int], more: int) -> set[int]:
-    """Return the places in ``long`` to leave out, so that the others are nearest in time.
-
-    The least sum of distances, by dynamic programming over how many were left out so far.
-    """
-    costs, choices = [0] * (more + 1), list[bytearray]()
-    for place, time in enumerate(short):
-        left_out = bytearray(more + 1)  # 1 where leaving one more out is better
-        for gap in range(more + 1):
-            here = costs[gap] + abs(long[place + gap] - time)
-            costs[gap] = here
-            if gap and costs[gap - 1] < here:
-                costs[gap], left_out[gap] = costs[gap - 1], 1
-        choices.append(left_out)
-    gap, skipped = more, set[int]()
-    for place in range(len(short) - 1, -1, -1):
-        while gap and choices[place][gap]:
-            skipped.add(place + gap)
-            gap -= 1
-    return skipped | set(range(gap))
 
 
 def _forgive_ends(

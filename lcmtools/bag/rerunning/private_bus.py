@@ -1,18 +1,22 @@
 """A bus that only the programs under test are connected to: a tcpq server without rules of its own.
 
+A process that was not started with its URL is refused.
 It passes nothing on: its user sends each message to the clients that it chooses, and gets what they
 publish, each client's in order, without loss. Must not know logs or processes.
 """
 
 import contextlib
+import re
 import selectors
 import socket
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from os import getpid
 from typing import NamedTuple
 
+from lcmtools.bus.processes import tcp_holders, was_told
 from lcmtools.wire import tcpq
-from lcmtools.wire.channel_pattern import ChannelPattern, PatternError
+from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
 _READ_BYTES = 1 << 18
 _QUICKACK = getattr(socket, "TCP_QUICKACK", None)
@@ -24,7 +28,7 @@ class Client:
     def __init__(self, connection: socket.socket, number: int) -> None:
         self.connection, self.number = connection, number
         self.name = ""
-        self.patterns: dict[str, ChannelPattern] = {}
+        self.patterns: dict[str, re.Pattern[str]] = {}
         self.reader = tcpq.FrameReader()
         self._known: dict[str, bool] = {}
         self._unsent = bytearray(tcpq.SERVER_GREETING)
@@ -38,7 +42,7 @@ class Client:
         """Return whether it subscribes to a channel."""
         known = self._known.get(channel)
         if known is None:
-            found = any(pattern.matches(channel) for pattern in self.patterns.values())
+            found = any(pattern.fullmatch(channel) for pattern in self.patterns.values())
             known = self._known[channel] = found
         return known
 
@@ -49,7 +53,7 @@ class Client:
             self.patterns.pop(frame.name, None)
         else:
             with contextlib.suppress(PatternError):  # it receives nothing by that
-                self.patterns[frame.name] = ChannelPattern(frame.name)
+                self.patterns[frame.name] = compile_pattern(frame.name)
 
     def send(self, data: bytes = b"") -> bool:
         """Send as much as the connection accepts; return True if nothing waits.
@@ -119,7 +123,10 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
 
     def _accept(self) -> None:
         with contextlib.suppress(OSError):
-            connection, _ = self._listener.accept()
+            connection, (_, port) = self._listener.accept()
+            if self._is_stranger(port):
+                connection.close()
+                return
             connection.setblocking(False)  # noqa: FBT003 - the socket module's own
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             client = Client(connection, self.count)
@@ -127,6 +134,14 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
             self.clients.append(client)
             self._selector.register(connection, selectors.EVENT_READ, client)
             self.send(client, b"")
+
+    def _is_stranger(self, port: int) -> bool:
+        """Return whether a port is of a process that was not given the URL.
+
+        One that the system does not show, as in a container, is taken for a program's.
+        """
+        pids = tcp_holders(port, self._listener.getsockname()[1])
+        return bool(pids) and not any(one == getpid() or was_told(one, self.url) for one in pids)
 
     def _read(self, client: Client) -> Iterator[Published]:
         try:

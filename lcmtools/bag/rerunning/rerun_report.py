@@ -1,7 +1,6 @@
 """The result of a rerun: as lines, as values for JSON, as JUnit's XML, as a log and a picture."""
 
 import heapq
-import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields
@@ -12,6 +11,8 @@ from lcmtools.bag.rerunning.comparison import Compared, TopicComparison
 from lcmtools.bag.rerunning.session import Run
 from lcmtools.bag.surgery import write_log
 from lcmtools.errors import LcmtoolsError
+from lcmtools.formats.junit import Case, Suite
+from lcmtools.formats.junit import junit as xml_of
 from lcmtools.messages.path import parse_path
 from lcmtools.messages.registry import Message
 from lcmtools.observe.measuring.curves import (
@@ -117,17 +118,10 @@ def junit(result: Rerun) -> str:
     cases = {"the program": [*result.trouble, *result.run.last_lines] if result.trouble else []}
     for topic in result.topics:
         cases[topic.topic] = [] if topic.is_equal else list(_details(topic, result))
-    counts = {"tests": str(len(cases)), "failures": str(sum(map(bool, cases.values())))}
-    root = ET.Element("testsuites", name="lcmtools bag rerun")
-    suite = ET.SubElement(root, "testsuite", counts, name=result.log, time=f"{result.duration:.1f}")
-    for name, lines in cases.items():
-        case = ET.SubElement(suite, "testcase", classname=result.program, name=name)
-        if lines:
-            text = "\n".join(lines)
-            legal = "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
-            ET.SubElement(case, "failure", message=legal.partition("\n")[0]).text = legal
-    ET.indent(root)
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{ET.tostring(root, "unicode")}\n'
+    found = [
+        Case(result.program, name, next(iter(lines), ""), lines) for name, lines in cases.items()
+    ]
+    return xml_of("lcmtools bag rerun", [Suite(result.log, found, result.duration)])
 
 
 def save(result: Rerun, target: str, *, force: bool) -> None:

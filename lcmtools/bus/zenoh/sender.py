@@ -17,7 +17,7 @@ from lcmtools.bus.zenoh.keep_last_sender import (
 )
 from lcmtools.bus.zenoh.opening import direct, zenoh
 from lcmtools.bus.zenoh.url import locator_address
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS
 from lcmtools.wire.stamp import Origin, encode_stamp
 
 _BULK_BYTES = 4000  # larger messages give way to the small ones of other topics
@@ -94,7 +94,7 @@ class ZenohSender:
         """Return a message with its class: all messages of a topic keep the one of the largest."""
         if len(payload) > MOST_WAITING_BYTES:
             self._large_keys.add(key)
-        if len(payload) > _BULK_BYTES and channel not in TALK_CHANNELS:
+        if len(payload) > _BULK_BYTES and channel not in PROTOCOL_CHANNELS:
             self._bulk_keys.add(key)
         is_large = key in self._large_keys  # only the newest of these waits, so none is outdated
         now = 0 if may_be_late or is_large else time.clock_gettime_ns(CLOCK)

@@ -34,7 +34,7 @@ from lcmtools.errors import BusError
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
-    TALK_CHANNELS,
+    PROTOCOL_CHANNELS,
     Retained,
     decode_probe,
 )
@@ -265,7 +265,7 @@ class ZenohSession:
         stamp = decode_stamp(attachment.to_bytes()) if attachment is not None else None
         if stamp is None:
             return Packet(named.channel, payload, arrival, type_name=named.type_name)
-        if self._late.is_late(stamp, clock) and named.channel not in TALK_CHANNELS:
+        if self._late.is_late(stamp, clock) and named.channel not in PROTOCOL_CHANNELS:
             self.dropped += 1
             return None
         sender = Sender(f"{stamp.sender:016x}", 0)

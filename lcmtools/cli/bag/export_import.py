@@ -20,6 +20,7 @@ from lcmtools.cli.bag.common import (
     stamp_option,
     topic_choice,
     topics_option,
+    values_options,
     window_options,
     write,
 )
@@ -112,8 +113,7 @@ def export_(
     "bag import odometry.csv ride.lcmlog --type nav_msgs/Odometry --as /odometry",
 )
 @places
-@option("--type", "type_", metavar="TYPE", help="The type of the values in a CSV file.")
-@option("--as", "topic", metavar="TOPIC", help="The topic of a CSV file, or of all JSON lines.")
+@values_options
 @topics_option
 @exclude_option
 def import_(
@@ -154,6 +154,7 @@ def import_(
         as_json=as_json,
         more=report.record,
         types=reading.types.values(),
+        nodes=reading.nodes(),
     )
     for text in report.rows():
         write_note(text)

@@ -17,10 +17,10 @@ from lcmtools.cli.declare import (
     together,
     whole_number,
 )
-from lcmtools.cli.negative_numbers import CommandWithOnce, ends_in_one, with_one
+from lcmtools.cli.negative_numbers import CommandWithWords, typed_words
 from lcmtools.cli.options import bus_choice, bus_options, names_options, rate_option, times_option
 from lcmtools.cli.output import write_note
-from lcmtools.errors import UsageError
+from lcmtools.errors import UsageError, ValueMismatch
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import to_json
 from lcmtools.messages.registry import Message, message_class
@@ -65,7 +65,7 @@ publish_options = together(
 """The options of pub."""
 
 
-@subcommand("pub", names_options, bus_options, cls=CommandWithOnce)
+@subcommand("pub", names_options, bus_options, cls=CommandWithWords)
 @examples(
     'pub /chatter std_msgs/String "data: hello"',
     'pub -r 10 cmd_vel geometry_msgs/Twist "{linear: [0.5, 0, 0], angular: [0, 0, 0.3]}"',
@@ -106,21 +106,27 @@ def command(
     check_topic(topic, plain_channel=plain_channel)
     flags = [*bus_choice().names.words(), *([f"--name={name}"] if name else [])]
     arguments, words = split_arguments([*flags, *values])
-    kind, is_repeated = message_class(type_), rate is not None or times is not None
-    if once and (meant := with_one(words, len(visible_fields(kind)), excludes_option=is_repeated)):
-        once, words = False, meant
-    if once and is_repeated:
-        raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", "use one of them")
+    kind = message_class(type_)
+    if once and (rate is not None or times is not None):
+        hint = "use one of them, or -- -1 for the value"
+        raise UsageError(f"-{'r' if rate else 't'} and -1 exclude each other", hint)
     if timeout is not None and subscribers is None and (once or times):
         subscribers = 1  # as ros2
     elif timeout is not None and subscribers is None and not others["simulated"]:
         raise UsageError("--timeout is how long to wait for subscribers", "give the number by -w N")
-    if ends_in_one() and not (words or file) and visible_fields(kind):
+    typed = typed_words()
+    if once and typed[-1] == "-1" and not (words or file) and visible_fields(kind):
         raise UsageError("-1 may mean the option or the value", "write --once, or -- -1")
+    try:
+        incoming = read_incoming(kind, words, file, notify)
+    except ValueMismatch as error:
+        if "-1" not in typed:
+            raise
+        raise ValueMismatch(error.what, "-1 is the option; -- -1 is the value") from error
     publish(
         topic,
         kind,
-        read_incoming(kind, words, file, notify),
+        incoming,
         rate=rate,
         count=1 if once else times,
         keep_alive=keep_alive or 0.0 if once else keep_alive,

@@ -4,8 +4,9 @@ import dataclasses
 import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
-from xml.etree import ElementTree as ET
 
+from lcmtools.formats.junit import Case, Suite
+from lcmtools.formats.junit import junit as xml_of
 from lcmtools.labs.checks.results import CheckResult, Report, as_specified
 from lcmtools.text_table import text_table
 
@@ -88,41 +89,25 @@ def read_record(plain: Mapping[str, Any]) -> list[Report]:
 def junit(lab: str, submissions: Mapping[str, Sequence[Report]]) -> str:
     """Format reports as JUnit's XML: a suite for each program, a case for each row.
 
-    Rows that follow from another row are skipped cases. Source of the format: the schema of Jenkins
-    and GitLab.
+    Rows that follow from another row are skipped cases.
     """
-    root = ET.Element("testsuites", name=f"lab {lab}")
-    for name, reports in submissions.items():
-        for report in reports:
-            failed = [r for r in report.results if not r.is_ok and not r.follows]
-            suite = ET.SubElement(
-                root,
-                "testsuite",
-                name=".".join(filter(None, (name, report.program))),
-                tests=str(len(report.results)),
-                failures=str(len(failed)),
-                skipped=str(sum(bool(r.follows) for r in report.results)),
-                time=f"{report.duration:.1f}",
-            )
-            for result in report.results:
-                _add_case(suite, f"{lab}.{report.program}", result)
-    ET.indent(root)
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{ET.tostring(root, "unicode")}\n'
+    suites = [
+        Suite(
+            ".".join(filter(None, (name, report.program))),
+            [_case(f"{lab}.{report.program}", result) for result in report.results],
+            report.duration,
+        )
+        for name, reports in submissions.items()
+        for report in reports
+    ]
+    return xml_of(f"lab {lab}", suites)
 
 
-def _add_case(suite: ET.Element, group: str, result: CheckResult) -> None:
-    case = ET.SubElement(suite, "testcase", classname=group, name=result.what)
-    if result.follows:
-        ET.SubElement(case, "skipped", message=result.hint)
-    elif not result.is_ok:
-        message = f"{result.measured}: {result.hint}" if result.hint else result.measured
-        failure = ET.SubElement(case, "failure", message=_legal(message))
-        failure.text = _legal("\n".join(rows(result)))
-
-
-def _legal(text: str) -> str:
-    """Replace the characters that XML cannot contain."""
-    return "".join(c if c.isprintable() or c in "\n\t" else "?" for c in text)
+def _case(group: str, result: CheckResult) -> Case:
+    if result.is_ok or result.follows:
+        return Case(group, result.what, skipped=result.hint if result.follows else "")
+    message = f"{result.measured}: {result.hint}" if result.hint else result.measured
+    return Case(group, result.what, message, rows(result))
 
 
 def _cause(report: Report) -> str:

@@ -112,13 +112,18 @@ class RecordedRun:
         return span / (found[-1].arrival - found[0].arrival) or 1.0
 
 
-def read_run(lab: Lab, log: Log) -> RecordedRun:
-    """Read a lab's run from a log; LcmtoolsError if it has none of the lab's topics."""
-    run = RecordedRun(lab, end=log.end / 1e9)
-    known = [topic for topic in _topics(run) if topic in log.topics]
+def known_topics(lab: Lab, log: Log) -> list[str]:
+    """Return the topics of a lab that are in a log; LcmtoolsError if it has none."""
+    known = [topic for topic in _topics(RecordedRun(lab)) if topic in log.topics]
     if not {*known} - {CLOCK_TOPIC, LOG_TOPIC}:
         what = f"{log.path} has no topic of the lab {lab.name}"
         raise LcmtoolsError(what, f"lcmtools bag info {log.path} shows what it has")
+    return known
+
+
+def read_run(lab: Lab, log: Log) -> RecordedRun:
+    """Read a lab's run from a log; LcmtoolsError if it has none of the lab's topics."""
+    run, known = RecordedRun(lab, end=log.end / 1e9), known_topics(lab, log)
     now = 0.0
     for arrival in log.messages(*known, on_error=lambda _: None):
         now = _simulated(arrival.message, now)
@@ -129,6 +134,7 @@ def read_run(lab: Lab, log: Log) -> RecordedRun:
 
 def _topics(run: RecordedRun) -> Sequence[str]:
     names = [topic for program in run.lab.programs for topic in program.publishes]
+    names += [topic for one in run.lab.programs for topic in one.subscribes if "image" not in topic]
     names += map(run.name, ("desired_velocity", "odometry", "ground_truth"))
     return *dict.fromkeys(names), CLOCK_TOPIC, LOG_TOPIC, PATH
 

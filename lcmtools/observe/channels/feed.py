@@ -12,7 +12,7 @@ from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.tap import LONG_NAP
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.model import Graph
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS
 from lcmtools.observe.channels.activity import Activity
 from lcmtools.observe.channels.rows import (
     ChannelRow,
@@ -31,7 +31,7 @@ _PERIOD = 0.4  # [s] between two snapshots, unless another time is given
 _WINDOW = 2.0  # [s] over which rates are measured
 _SOON = 0.1  # [s] between the first few, and the longest wait for the bus
 _FIRST = 10  # snapshots without losses: while the screen is set up, this process may miss messages
-_MOST_KEPT, _MOST_KEPT_BYTES = 4000, 256_000_000  # last messages of channels
+_MOST_KEPT_BYTES = 256_000_000  # last messages of channels
 _LOG = "/rosout"
 _MOST_LINES, _MOST_LINES_BYTES = 400, 4_000_000  # last messages of the nodes' log
 _MOST_ROWS = 1000  # of the table
@@ -104,7 +104,7 @@ class Feed:
             monitor.tap.longest_nap = LONG_NAP
         self.listens_to_all = self.listens_to_large = True
         self.keeps_last = keeps_last
-        self._last = BoundedDict[str, Packet](_MOST_KEPT, _MOST_KEPT_BYTES)
+        self._last = BoundedDict[str, Packet](most_bytes=_MOST_KEPT_BYTES)
         self._lines = BoundedDict[int, Packet](_MOST_LINES, _MOST_LINES_BYTES)
         self._numbers = count()
         self._keeping = threading.Lock()
@@ -209,7 +209,9 @@ class Feed:
         for packet in packets:
             self._activity.add(packet)
         is_new = len(self._activity) > known and self._cost < _SOON / _SHARE
-        if is_new or (self._is_quiet and any(one.channel not in TALK_CHANNELS for one in packets)):
+        if is_new or (
+            self._is_quiet and any(one.channel not in PROTOCOL_CHANNELS for one in packets)
+        ):
             self._next_snapshot = 0.0
         if self._following.channels:
             for packet in packets:

@@ -16,7 +16,6 @@ from lcmtools.names import did_you_mean, namespace_of
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.wire.packet import Sender
 
-_MOST_FRAMES = 5000
 _STATIC = "tf_static"  # the end of the name of a topic whose transforms do not change
 
 Vector = tuple[float, float, float]
@@ -91,7 +90,7 @@ class Frames:
     """The frames of one namespace's topics."""
 
     def __init__(self) -> None:
-        self._links = BoundedDict[str, Link](_MOST_FRAMES)  # by child
+        self._links = BoundedDict[str, Link]()  # by child
 
     def add(self, one: TransformStamped, topic: str, time: int, sender: Sender | None) -> str:
         """Add a transform that arrived at a time [ns]; return why it is ignored, or ""."""

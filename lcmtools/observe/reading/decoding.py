@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import lru_cache
 
-from lcmtools.bounded import BoundedDict
+from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.errors import DecodeError, UnknownType
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import (
@@ -22,7 +22,6 @@ from lcmtools.packages.type_files import VARIABLE
 from lcmtools.wire.packet import Packet
 
 _SAME_FILES = "generate the code of both sides from the same .lcm files: lcm-gen"
-_MOST_SETTLED = 4000  # channels and fingerprints whose type is remembered
 
 
 class UnknownFingerprint(DecodeError):  # noqa: N818 - named for what happened
@@ -59,9 +58,7 @@ class Decoder:
     ) -> None:
         self._announced, self._named, self._keep_stray = announced, named, keep_stray
         self._exact = exact
-        self._settled = BoundedDict[tuple[str, bytes], tuple[type[Message], Sequence[str]]](
-            _MOST_SETTLED
-        )
+        self._settled = BoundedDict[tuple[str, bytes], tuple[type[Message], Sequence[str]]]()
 
     def message_class(self, packet: Packet) -> type[Message]:
         """Return the type of a packet's message.
@@ -126,7 +123,7 @@ def unknown_fingerprint(
     return UnknownFingerprint(f"unknown type, fingerprint {number:#018x}{like}", hint)
 
 
-@lru_cache(maxsize=_MOST_SETTLED)
+@lru_cache(maxsize=MOST_ENTRIES)
 def like_text(number: int, channel: str, announced: tuple[str, ...] = ()) -> str:
     """Return ": like nav_msgs/Odometry, but without the field twist", as wtf does; "" for none."""
     from lcmtools.messages.type_versions import may_be_fingerprint, other_version, own_types_like

@@ -13,9 +13,10 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
-from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.records import NodeRecords, this_process
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.builder import MOST_FLOWS, MOST_NODES, GraphBuilder
@@ -23,15 +24,15 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import (
     PERIOD,
     PROBE_CHANNEL,
+    PROTOCOL_CHANNELS,
     SHUTDOWN_CHANNEL,
-    TALK_CHANNELS,
     Probe,
     Shutdown,
     encode_probe,
     encode_shutdown,
 )
 from lcmtools.observe.reading.losses import Losses, losses
-from lcmtools.observe.reading.presence import Presence, own_node
+from lcmtools.observe.reading.presence import Presence
 from lcmtools.observe.reading.senders import is_here
 from lcmtools.observe.reading.sources import LogObserver, Observer, open_observer
 from lcmtools.wire.packet import Packet
@@ -96,11 +97,12 @@ class BusMonitor:
             opened.callback(self._observer.close)
             self.is_log, self.is_live = self._observer.is_log, self._observer.is_live
             self._records = NodeRecords(url, environment)
-            node = own_node(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
+            node = this_process(f"/_lcmtools_{tool}_{os.getpid()}", tool=True)
             self._presence = Presence(node, self._observer.send, on_shutdown)
             self._builder = GraphBuilder(but=node.id, is_log=self.is_log)
             if self.logs:
                 self._add_indexes(self.logs)
+            self._news.extend(filter(None, [missing_route(url)]))
             network_watch.tell(self._news.append)
             opened.pop_all()
 
@@ -239,7 +241,7 @@ class BusMonitor:
                 time.monotonic() <= min(max(soonest, changed + QUIET), soonest + _AT_MOST)
                 or self._observer.is_awaiting
                 or self._receives_talk(0.0)
-                or self._awaits_known_node()
+                or self._awaits_knthis_process()
             ):
                 if time.monotonic() - start > _FOREIGN:
                     self._recall()
@@ -315,14 +317,14 @@ class BusMonitor:
         self._on_outage(text)
 
     def _receives_talk(self, timeout: float) -> bool:
-        return any(packet.channel in TALK_CHANNELS for packet in self.receive(timeout))
+        return any(packet.channel in PROTOCOL_CHANNELS for packet in self.receive(timeout))
 
     def _recall(self) -> None:
         """Learn of the nodes of this computer that left a record and have not answered."""
         here, silent = socket.gethostname(), self._records.read(but=self._builder.heard())
         self._builder.recall(node for node in silent if node.host == here)
 
-    def _awaits_known_node(self) -> bool:
+    def _awaits_knthis_process(self) -> bool:
         """True while a node of this computer that left a record and runs may answer late.
 
         A computer with many busy programs runs each only now and then.

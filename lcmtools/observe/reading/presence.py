@@ -3,29 +3,23 @@
 It announces itself as nodes do: once a second, when it is asked, and when it leaves.
 """
 
-import os
-import socket
-import sys
 import time
 from collections.abc import Callable, Sequence
 
-from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.records import NodeRecords
 from lcmtools.errors import BusError
+from lcmtools.graph.announcing import Announcing
 from lcmtools.graph.model import Endpoint, FullLine, Node, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
-    PERIOD,
     PROBE_CHANNEL,
     SHUTDOWN_CHANNEL,
-    SOFTWARE,
     Announcement,
+    Probe,
     decode_probe,
     decode_shutdown,
     encode_announcement,
 )
-
-_REST = 10  # rest for this many times the CPU time of an announcement before another answer
 
 
 class Presence:
@@ -44,12 +38,10 @@ class Presence:
         records: NodeRecords | None = None,
     ) -> None:
         self.node = node  # as announced
-        self._records = records
+        self._records, self._is_recorded = records, False
         self.trouble = ""  # the reason why the last announcement was not sent
         self.send, self._on_shutdown = send, on_shutdown
-        self._next = self._rested = 0.0
-        self._worked = 0.0  # CPU time of the latest announcement [s]; the first one imports modules
-        self._owed = 0  # the nonce of a probe that is answered later
+        self._schedule = Announcing(time.monotonic())
 
     def listen_to(self, endpoints: Sequence[Endpoint]) -> None:
         """Announce other endpoints."""
@@ -68,35 +60,29 @@ class Presence:
 
     def attend(self) -> None:
         """Announce the node if it is due."""
-        if time.monotonic() >= self._next:
-            self.announce(answers=self._owed)
+        for nonce in self._schedule.take(time.monotonic()).values():
+            self.announce(answers=nonce)
 
     def answer(self, channel: str, payload: bytes) -> None:
         """Answer a message of the protocol, if it is for this node."""
         if channel == PROBE_CHANNEL:
             probe = decode_probe(payload)
             if probe is not None and probe.target in ("", self.node.name):
-                self._answer_probe(probe.nonce)
+                self._schedule.ask(Probe(nonce=probe.nonce), time.monotonic())
+                self.attend()
         elif channel == SHUTDOWN_CHANNEL:
             request = decode_shutdown(payload)
             if self._on_shutdown and request is not None and request.target == self.node.id:
                 self.announce(answers=request.nonce)
                 self._on_shutdown()
 
-    def _answer_probe(self, nonce: int) -> None:
-        """Answer now, or a little later if probes come so often that answers would take long."""
-        if time.monotonic() >= self._rested:
-            self.announce(answers=nonce)
-        else:
-            self._owed = nonce or self._owed
-            self._next = min(self._next, self._rested)
-
     def announce(self, *, leaving: bool = False, answers: int = 0) -> None:
         """Announce the node now."""
         if self._records and leaving:
             self._records.remove(self.node.id)
-        elif self._records and not self._next:  # the first time
+        elif self._records and not self._is_recorded:
             self._records.write(self.node)
+            self._is_recorded = True
         announcement, began = Announcement(self.node, leaving, answers), time.thread_time()
         # a failed network may come back: the next announcement follows a period later
         try:
@@ -104,27 +90,8 @@ class Presence:
             self.trouble = ""
         except BusError as error:
             self.trouble = str(error)
-        now = time.monotonic()
-        self._owed, self._next = 0, now + PERIOD
-        worked = time.thread_time() - began
-        self._rested = now + min(PERIOD, _REST * min(worked, self._worked))
-        self._worked = worked
+        self._schedule.rest(time.monotonic(), time.thread_time() - began)
 
 
 def _flows(node: Node) -> set[tuple[object, ...]]:
     return {(x.channel, x.sender, x.fingerprints, x.types) for x in node.observed}
-
-
-def own_node(name: str, *, tool: bool) -> Node:
-    """Return this process as a node of this name; a tool is a command that only observes."""
-    return Node(
-        name=name,
-        id=f"{os.getpid()}-{time.time_ns():x}",
-        host=socket.gethostname(),
-        pid=os.getpid(),
-        start_time=time.time_ns(),
-        command=" ".join(sys.argv),
-        tool=tool,
-        software=SOFTWARE,
-        pid_namespace=own_pid_namespace(),
-    )

@@ -39,6 +39,7 @@ _YELLOW: Color = (0.8, 0.8, 0.1)
 _BLACK: Color = (0.2, 0.2, 0.2)
 _PLATE: Color = (0.96, 0.74, 0.05)
 _HUB: Color = (0.75, 0.58, 0.06)
+_REAR_LAMP: Color = (0.75, 0.05, 0.05)
 
 _CORNERS = tuple((x * WHEELBASE / 2, y * TRACK / 2) for x in (1, -1) for y in (1, -1))
 
@@ -63,7 +64,7 @@ def _wheels(side: int) -> Part:
 
 
 def _look() -> Look:
-    """A dark chassis with yellow plates, bumpers and a rail."""
+    """A dark chassis with yellow plates, a rail, and lamps: white in front, red behind."""
     z = _BASE_HEIGHT
     plate, dark = _PLATE, _BLACK
     rail = (
@@ -72,12 +73,12 @@ def _look() -> Look:
     )
     ends = (
         part
-        for x in (1, -1)
+        for x, lamp in ((1, LIGHT), (-1, _REAR_LAMP))
         for part in (
             Part(Cuboid((0.06, 0.46, 0.1)), (x * 0.465, 0.0, z + 0.085), color=dark),
             Part(Cuboid((0.05, 0.34, 0.045)), (x * 0.475, 0.0, z + 0.165), color=plate),
             *(
-                Part(Cylinder(0.022, 0.05), (x * 0.462, y, z + 0.215), ALONG, LIGHT)
+                Part(Cylinder(0.022, 0.05), (x * 0.462, y, z + 0.215), ALONG, lamp)
                 for y in (0.16, -0.16)
             ),
         )

@@ -3,20 +3,20 @@
 import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import cast
+from typing import Annotated, cast
 
+from lcmtools.formats.typed import Within
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message
 from lcmtools.processes.memory import keep_freed_memory
 from lcmtools.types.sensor_msgs import CameraInfo, CompressedImage, Image, PointCloud2
 from lcmtools_sim.sensors.sensor import (
+    Deviation,
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
-    deviation,
     fill_header,
-    number,
 )
 from lcmtools_sim.vision import messages
 from lcmtools_sim.vision.camera import Camera, optical
@@ -51,9 +51,9 @@ _Makers = dict[str, Callable[[], Image | CompressedImage | CameraInfo | PointClo
 class CameraSettings(Settings):
     """The properties of a camera."""
 
-    width: int = number(640, 1, 4096)  # [pixels]
-    height: int = number(480, 1, 4096)  # [pixels]
-    field_of_view: float = number(math.radians(60), 0.01, 3.1, angle=True)  # across its width [rad]
+    width: Annotated[int, Within(1, 4096)] = 640  # [pixels]
+    height: Annotated[int, Within(1, 4096)] = 480  # [pixels]
+    field_of_view: Annotated[float, Within(0.01, 3.1, unit="rad")] = math.radians(60)
 
     @property
     def camera(self) -> Camera:
@@ -130,12 +130,13 @@ class CameraSensor:
 class DepthCameraSettings(CameraSettings):
     """The properties of a depth camera; the defaults are a Kinect without noise."""
 
-    field_of_view: float = number(math.radians(57), 0.01, 3.1, angle=True)
-    near: float = number(0.5, 0.001, 100.0)  # least depth that is measured [m]
-    far: float = number(8.0, 0.01, 1000.0, above="near")  # greatest depth that is measured [m]
-    noise: float = deviation()  # standard deviation at a depth of 1 m [m]; grows with its square
-    step: float = deviation()  # between two neighbouring readings at 1 m [m]; grows with its square
-    dropout: float = number(0.0, 0.0, 1.0)  # share of the pixels without a reading
+    field_of_view: Annotated[float, Within(0.01, 3.1, unit="rad")] = math.radians(57)
+    near: Annotated[float, Within(0.001, 100.0)] = 0.5  # least depth that is measured [m]
+    # greatest depth that is measured [m]
+    far: Annotated[float, Within(0.01, 1000.0, above="near")] = 8.0
+    noise: Deviation = 0.0  # standard deviation at a depth of 1 m [m]; grows with its square
+    step: Deviation = 0.0  # between two neighbouring readings at 1 m [m]; grows with its square
+    dropout: Annotated[float, Within(0.0, 1.0)] = 0.0  # share of the pixels without a reading
 
 
 class DepthCameraSensor:

@@ -3,23 +3,23 @@
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Annotated, cast
 
 import numpy as np
 
+from lcmtools.formats.typed import Within
 from lcmtools.messages.payload_template import PayloadTemplate
 from lcmtools.messages.registry import Message
 from lcmtools.types.sensor_msgs import LaserScan
 from lcmtools_sim.geometry import IDENTITY, ZERO
 from lcmtools_sim.sensors.sensor import (
     BatchSensor,
+    Deviation,
     MeasureBatch,
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
-    deviation,
-    number,
 )
 from lcmtools_sim.vision.scan import Scanner
 from lcmtools_sim.vision.solids import Floats, PlacedSolids
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 class LaserSettings(Settings):
     """The properties of a scanner."""
 
-    rays: int = number(360, 2, 20_000)  # number of rays, from the first angle to the last
+    rays: Annotated[int, Within(2, 20_000)] = 360  # from the first angle to the last
     # [rad] counter-clockwise, 0 along the sensor's x axis.
-    first_angle: float = number(-np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)
-    last_angle: float = number(np.pi / 2, -2 * np.pi, 2 * np.pi, angle=True)  # [rad]
-    shortest: float = number(0.05, 0.0, 1e3)  # least range [m]
-    longest: float = number(10.0, 0.01, 1e3, above="shortest")  # greatest range [m]
-    noise: float = deviation()  # standard deviation of a range [m]
+    first_angle: Annotated[float, Within(-2 * np.pi, 2 * np.pi, unit="rad")] = -np.pi / 2
+    last_angle: Annotated[float, Within(-2 * np.pi, 2 * np.pi, unit="rad")] = np.pi / 2  # [rad]
+    shortest: Annotated[float, Within(0.0, 1e3)] = 0.05  # least range [m]
+    longest: Annotated[float, Within(0.01, 1e3, above="shortest")] = 10.0  # greatest range [m]
+    noise: Deviation = 0.0  # standard deviation of a range [m]
 
 
 class LaserSensor(BatchSensor):

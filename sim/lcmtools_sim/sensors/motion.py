@@ -27,12 +27,12 @@ from lcmtools_sim.geometry import (
 from lcmtools_sim.sensors.payloads import Payloads, Row
 from lcmtools_sim.sensors.sensor import (
     BatchSensor,
+    Deviation,
     MeasureBatch,
     RobotState,
     SensorContext,
     SensorMount,
     Settings,
-    deviation,
     transform_message,
 )
 
@@ -86,8 +86,8 @@ def _planar_pose(state: RobotState) -> tuple[float, ...]:
 class WheelStatesSettings(Settings):
     """Standard deviations of white noise on each side: angle [rad] and speed [rad/s]."""
 
-    angle_noise: float = deviation()
-    speed_noise: float = deviation()
+    angle_noise: Deviation = 0.0
+    speed_noise: Deviation = 0.0
 
 
 class WheelStatesSensor(MotionSensor):
@@ -121,9 +121,9 @@ class OdometrySettings(Settings):
     # Standard deviation of each side's measured distance after 1 m [m]; it grows with the square
     # root of the distance (K. Chong, L. Kleeman, Accurate Odometry and Error Modelling for a Mobile
     # Robot, ICRA 1997). The pose and odom in /tf drift by it.
-    travel_noise: float = deviation()
-    speed_noise: float = deviation()  # standard deviation of the twist's forward speed [m/s]
-    turning_noise: float = deviation()  # standard deviation of the twist's turn rate [rad/s]
+    travel_noise: Deviation = 0.0
+    speed_noise: Deviation = 0.0  # standard deviation of the twist's forward speed [m/s]
+    turning_noise: Deviation = 0.0  # standard deviation of the twist's turn rate [rad/s]
 
     @property
     def encoder_noise(self) -> float:
@@ -190,8 +190,8 @@ class TransformsSensor(MotionSensor):
 class ImuSettings(Settings):
     """Standard deviations of white noise on each axis."""
 
-    turning_noise: float = deviation()  # of the angular velocity [rad/s]
-    acceleration_noise: float = deviation()  # [m/s^2]
+    turning_noise: Deviation = 0.0  # of the angular velocity [rad/s]
+    acceleration_noise: Deviation = 0.0  # [m/s^2]
 
 
 class ImuSensor(MotionSensor):
@@ -256,8 +256,8 @@ def _covariance(noise: float) -> tuple[float, ...]:
 class GroundTruthSettings(Settings):
     """Standard deviations of white noise, as of a motion capture system."""
 
-    position_noise: float = deviation()  # of x, y and z [m]
-    heading_noise: float = deviation()  # of the yaw angle [rad]
+    position_noise: Deviation = 0.0  # of x, y and z [m]
+    heading_noise: Deviation = 0.0  # of the yaw angle [rad]
 
 
 class GroundTruthSensor(MotionSensor):

@@ -9,11 +9,12 @@ import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
 from lcmtools.clock import split_stamp
+from lcmtools.formats.typed import Within
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.std_msgs import Header
@@ -24,12 +25,13 @@ from lcmtools_sim.vision.solids import PlacedSolids, Solids
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Number = TypeVar("Number", int, float)
-
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Base of all sensors' settings: frozen dataclasses whose fields a world file may set."""
+    """Base of all sensors' settings: frozen dataclasses whose fields a world file may set.
+
+    Bounds of numbers are annotations, as in lcmtools.formats.typed.
+    """
 
     @property
     def encoder_noise(self) -> float:
@@ -41,20 +43,8 @@ class Settings:
         return 0.0
 
 
-def number(
-    default: Number, lowest: float, highest: float, *, angle: bool = False, above: str = ""
-) -> Number:
-    """Return a setting that is a number within bounds; an angle [rad] may be written as "90 deg".
-
-    It is an integer if the default is one. It must be greater than the setting named ``above``.
-    """
-    metadata = {"lowest": lowest, "highest": highest, "angle": angle, "above": above}
-    return field(default=default, metadata=metadata)
-
-
-def deviation() -> float:
-    """Return a setting for the standard deviation of noise, in the disturbed value's unit."""
-    return number(0.0, 0.0, 1e3)
+Deviation: TypeAlias = Annotated[float, Within(0.0, 1e3)]
+"""A setting: the standard deviation of noise, in the disturbed value's unit."""
 
 
 @dataclass(frozen=True, slots=True)

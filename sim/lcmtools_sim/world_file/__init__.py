@@ -4,18 +4,32 @@ Keys and values that are unknown, missing, duplicate or out of range raise Inval
 line and reason, in all modules here. No engine and no bus are known.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import PurePath
+from typing import Annotated
 
+from lcmtools.formats.typed import Item, Within, load, read
 from lcmtools.names import check_base_name
 from lcmtools_sim.scene import Ground, Scene
 from lcmtools_sim.world_file.objects import read_objects
 from lcmtools_sim.world_file.paths import read_paths
 from lcmtools_sim.world_file.robots import read_robots
 from lcmtools_sim.world_file.sdf import read_sdf
-from lcmtools_sim.world_file.values import Item, checked_name, color, friction, load, number, value
+from lcmtools_sim.world_file.values import checked_name
 
-_KEYS = ("node", "seed", "dt", "gravity", "ground", "objects", "robots", "paths")
+_PLAIN = Scene("")
+
+
+@dataclass(frozen=True, slots=True)
+class _World:
+    node: Annotated[str, checked_name(check_base_name)] = _PLAIN.node
+    seed: Annotated[int, Within(0, 2**63 - 1)] = _PLAIN.seed
+    dt: Annotated[float, Within(1e-4, 0.02)] = _PLAIN.dt  # [s]
+    gravity: Annotated[float, Within(0, 100)] = _PLAIN.gravity  # [m/s^2]
+    ground: Ground = _PLAIN.ground
+    objects: Item | None = None
+    robots: Item | None = None
+    paths: Item | None = None
 
 
 def read_scene(text: str, source: str) -> Scene:
@@ -26,18 +40,17 @@ def read_scene(text: str, source: str) -> Scene:
     if text.lstrip("\ufeff \t\r\n").startswith("<"):
         return read_sdf(text, source)
     notes: list[str] = []
-    keys = load(text, source, "world").fields(_KEYS)
-    plain = Scene("")
+    world = read(_World, load(text, source, "world"))
     scene = Scene(
         name=PurePath(source).stem,
-        node=value(keys, "node", checked_name(check_base_name), plain.node),
-        seed=value(keys, "seed", lambda item: item.integer(0, 2**63 - 1), plain.seed),
-        dt=value(keys, "dt", number(1e-4, 0.02), plain.dt),
-        gravity=value(keys, "gravity", number(0, 100), plain.gravity),
-        ground=value(keys, "ground", _ground, plain.ground),
-        objects=value(keys, "objects", lambda item: read_objects(item, notes), ()),
-        robots=value(keys, "robots", lambda item: read_robots(item, notes), ()),
-        paths=value(keys, "paths", read_paths, ()),
+        node=world.node,
+        seed=world.seed,
+        dt=world.dt,
+        gravity=world.gravity,
+        ground=world.ground,
+        objects=read_objects(world.objects, notes) if world.objects else (),
+        robots=read_robots(world.robots, notes) if world.robots else (),
+        paths=read_paths(world.paths) if world.paths else (),
     )
     return replace(scene, notes=(*notes, *_too_fast(scene)))
 
@@ -52,11 +65,3 @@ def _too_fast(scene: Scene) -> list[str]:
         for mount in robot.model.sensors
         if mount.rate > steps * (1 + 1e-9)
     ]
-
-
-def _ground(item: Item) -> Ground:
-    keys = item.fields(("friction", "color"))
-    return Ground(
-        friction=value(keys, "friction", friction, Ground().friction),
-        color=value(keys, "color", color, Ground().color),
-    )

@@ -1,13 +1,15 @@
 """The entries of ``paths``: smooth curves through points, marked on the ground."""
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Annotated
 
+from lcmtools.formats.typed import Item, Within, read
 from lcmtools.names import resolve_namespace
 from lcmtools_sim.scene import MarkedPath
 from lcmtools_sim.shapes import Color, Line
-from lcmtools_sim.world_file import values
-from lcmtools_sim.world_file.values import Item, value
+from lcmtools_sim.world_file.values import Rgb, checked_name
 
 _SPACING = 0.1  # [m]
 _BLUE: Color = (0.15, 0.3, 0.8)
@@ -25,23 +27,25 @@ def read_paths(item: Item) -> tuple[MarkedPath, ...]:
     return tuple(paths)
 
 
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    points: Item
+    topic: Annotated[str, checked_name(resolve_namespace)] = "/path"
+    closed: bool = False
+    width: Annotated[float, Within(0.01, 10)] = 0.05  # [m]
+    color: Rgb = _BLUE
+
+
 def _path(item: Item) -> MarkedPath:
-    keys = item.fields(("topic", "points", "closed", "width", "color"), required=["points"])
-    corners = [(x.number(), y.number()) for x, y in (p.items(2) for p in keys["points"].items())]
-    if value(keys, "closed", Item.flag, default=False):
+    entry = read(_Entry, item)
+    corners = [(x.number(), y.number()) for x, y in (p.items(2) for p in entry.points.items())]
+    if entry.closed:
         corners += corners[:1]
     if len(corners) < 2:  # noqa: PLR2004 - the ends of a path
-        raise keys["points"].error("'points' must have at least 2 elements")
+        raise entry.points.error("'points' must have at least 2 elements")
     if any(start == end for start, end in pairwise(corners)):
-        raise keys["points"].error("two points in succession are the same")
-    return MarkedPath(
-        topic=value(keys, "topic", values.checked_name(resolve_namespace), "/path"),
-        line=Line(
-            points=tuple(_curve(corners)),
-            width=value(keys, "width", values.number(0.01, 10), 0.05),
-            color=value(keys, "color", values.color, _BLUE),
-        ),
-    )
+        raise entry.points.error("two points in succession are the same")
+    return MarkedPath(entry.topic, Line(tuple(_curve(corners)), entry.width, entry.color))
 
 
 def _curve(corners: Points) -> Points:

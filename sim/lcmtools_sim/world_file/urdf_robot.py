@@ -7,24 +7,36 @@ assumed above the middle between the wheels, with all links' moments of inertia 
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, TypeAlias
 
+from lcmtools.formats.typed import Item, Within, read
 from lcmtools.names import did_you_mean
 from lcmtools_sim.geometry import Vector, axes, rotate, scaled, subtract
 from lcmtools_sim.robots.model import Body, Drive, Look, RobotModel, Wheel, detailed_wheel
 from lcmtools_sim.shapes import Cylinder, Part, Sphere, centre_of_mass, moments
 from lcmtools_sim.world_file.urdf import Joint, Urdf
-from lcmtools_sim.world_file.values import Item, friction, given_twice, length, number, value
+from lcmtools_sim.world_file.values import Friction, Length, given_twice
 
-_DRIVE_KEYS = (
-    *("left", "right", "max_speed", "max_turn_rate", "max_acceleration", "time_constant"),
-    *("friction", "wheel_radius", "track"),
-)
 _NEAR = 0.01  # [m] two places this close to each other count as one
 _PARALLEL = 0.99  # cosine of the largest angle between parallel axes
 _CLEARANCE = 0.004  # [m] the least height of all parts above the ground: only the feet touch it
 _DEEPEST = 0.05  # [m] a part that reaches farther below the wheels would carry the robot instead
 _NEAR_GROUND = 0.01  # [m] a part this close to the ground supports the robot
+_Speed: TypeAlias = Annotated[float, Within(1e-3, 100)]
 _TURNING = ("continuous", "revolute")
+
+
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    left: Item
+    right: Item
+    max_speed: _Speed = 1.0  # [m/s]
+    max_turn_rate: _Speed | None = None  # [rad/s]
+    max_acceleration: Annotated[float, Within(1e-3, 1e3)] = 1.0  # [m/s^2]
+    time_constant: Annotated[float, Within(0, 10)] = 0.1  # [s]
+    friction: Friction = 0.8
+    wheel_radius: Length | None = None
+    track: Length | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,28 +52,27 @@ class _Wheel:
 
 def urdf_model(urdf: Urdf, item: Item) -> tuple[RobotModel, tuple[str, ...]]:
     """Return the robot of a URDF file, with the drive in ``item``, and notes about it."""
-    keys = item.fields(_DRIVE_KEYS, required=["left", "right"])
-    left, right = ([_wheel(urdf, one) for one in keys[side].items()] for side in ("left", "right"))
+    drive = read(_Drive, item)
+    left, right = ([_wheel(urdf, o) for o in side.items()] for side in (drive.left, drive.right))
     _check_sides(item, left, right)
     wheels = [*left, *right]
-    radius = value(keys, "wheel_radius", length, 0.0) or _common_radius(item, wheels)
+    radius = drive.wheel_radius or _common_radius(item, wheels)
     x, y = ((_mean(left, i) + _mean(right, i)) / 2 for i in (0, 1))
     middle = (x, y, min(wheel.centre[2] for wheel in wheels) - radius)
     contacts = tuple((wheel.centre[0] - x, wheel.centre[1] - y) for wheel in wheels)
-    speed = value(keys, "max_speed", number(1e-3, 100), 1.0)
-    track = value(keys, "track", length, _mean(left, 1) - _mean(right, 1))
+    track = drive.track or _mean(left, 1) - _mean(right, 1)
     model = RobotModel(
         name=urdf.name,
         body=replace(_body(urdf, contacts, middle, radius), look=_look(urdf, wheels, middle)),
         drive=Drive(
             wheel_radius=radius,
             track=track,
-            full_speed=speed,
-            max_speed=speed,
-            max_turn_rate=value(keys, "max_turn_rate", number(1e-3, 100), 2 * speed / track),
-            max_acceleration=value(keys, "max_acceleration", number(1e-3, 1e3), 1.0),
-            time_constant=value(keys, "time_constant", number(0, 10), 0.1),
-            tyre_friction=value(keys, "friction", friction, 0.8),
+            full_speed=drive.max_speed,
+            max_speed=drive.max_speed,
+            max_turn_rate=drive.max_turn_rate or 2 * drive.max_speed / track,
+            max_acceleration=drive.max_acceleration,
+            time_constant=drive.time_constant,
+            tyre_friction=drive.friction,
             wheels=contacts if len(contacts) > 2 else (),  # noqa: PLR2004 - two wheels do not skid
         ),
         left_wheels=_names("left", left),

@@ -5,12 +5,24 @@ import sqlite3
 from contextlib import closing
 
 import pytest
-from fixtures.ros_bags import Topic, own_types, read_bag, write_bag
+from fixtures.ros_bags import SECOND, Topic, own_types, read_bag, version_of, write_bag
 from fixtures.says import assert_says, raises_saying
+from mcap.writer import Writer
+from rosbags.interfaces import (
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+from rosbags.rosbag1 import Writer as Writer1
+from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
 from lcmtools.bag.ros_import import RosImport
 from lcmtools.errors import InvalidFile
+from lcmtools.observe.reading.log_file import LogFile
 
 _BOTH = pytest.mark.parametrize("storage", ["db3", "mcap"])
 _WORDS = Topic("/words", "std_msgs/msg/String", [{"data": f"{n}"} for n in range(3)])
@@ -236,3 +248,55 @@ def test_part_of_a_bag_is_named_as_that(tmp_path):
     for file in folder.iterdir():
         with raises_saying(InvalidFile, "part of a ROS 2 bag", str(folder)):
             list(RosImport().read(file))
+
+
+_TRANSIENT_LOCAL = Qos(
+    QosHistory.KEEP_LAST,
+    1,
+    QosReliability.RELIABLE,
+    QosDurability.TRANSIENT_LOCAL,
+    *[QosTime(0, 0)] * 2,
+    QosLiveliness.AUTOMATIC,
+    QosTime(0, 0),
+    avoid_ros_namespace_conventions=False,
+)
+
+
+def _write_latched(path):
+    """Write a map that is latched, and scans that are not."""
+    text = {"data": b"\0\1\0\0\2\0\0\0a\0"} if path.suffix != ".bag" else {"data": b"\1\0\0\0a"}
+    if path.suffix == ".mcap":
+        with path.open("wb") as file:
+            writer = Writer(file)
+            writer.start("ros2")
+            schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
+            qos = {"offered_qos_profiles": "- history: 1\n  durability: transient_local"}
+            for topic, about in (("/map", qos), ("/scan", {})):
+                channel = writer.register_channel(topic, "cdr", schema, about)
+                for time in range(1 if about else 5):
+                    writer.add_message(channel, time * SECOND, text["data"], time * SECOND)
+            writer.finish()
+        return
+    store = own_types(version_of(path))
+    latched = (
+        {"latching": 1} if path.suffix == ".bag" else {"offered_qos_profiles": [_TRANSIENT_LOCAL]}
+    )
+    make = Writer1(path) if path.suffix == ".bag" else Writer2(path, version=9)
+    with make as writer:
+        for topic, about in (("/map", latched), ("/scan", {})):
+            one = writer.add_connection(topic, "std_msgs/msg/String", typestore=store, **about)
+            for time in range(1 if about else 5):
+                writer.write(one, time * SECOND, text["data"])
+
+
+@pytest.mark.parametrize("target", ["a.bag", "cut.bag", "db3", "a.mcap"])
+def test_what_a_bag_says_was_latched_comes_before_a_part(target, tmp_path, cli):
+    path, log, part = tmp_path / target, tmp_path / "a.lcmlog", tmp_path / "part.lcmlog"
+    _write_latched(path)
+    if target == "cut.bag":  # without its index
+        path.write_bytes(path.read_bytes()[:-100])
+    assert cli("bag", "import", str(path), str(log)).code == (target == "cut.bag")
+    cut = cli("bag", "cut", str(log), str(part), "-s", "2s")
+    assert (cut.code, cut.err) == (0, "")
+    with LogFile(part) as made:
+        assert next(made.packets()).channel == "/map"

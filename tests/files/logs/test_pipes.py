@@ -35,6 +35,7 @@ def test_commands_read_standard_input(words, there, cli, tmp_path):
     result = cli(*(word.format(tmp_path) for word in words), input=CONTENT)
     assert result.code == 0, result
     assert there in result.out
+    assert "reindex" not in result.out  # which needs a file
 
 
 def test_an_empty_pipe_is_an_empty_log(cli):

@@ -80,6 +80,9 @@ def test_values_of_a_type_come_back_as_they_went(message):
     assert main(words.split()) == 0
     found = _read("out.lcmlog")
     assert [one.payload for one in found] == [one.payload for one in sent]
+    kind = type_name(message), sent[0].channel
+    with by_stamp(["a.csv"], *kind, wanted=False) as paths, Playlist(paths, Choice()) as playlist:
+        assert len([*playlist.messages(*playlist.span)]) == len(sent)
 
 
 def test_a_line_that_cannot_be_read_costs_only_itself(capsys):
@@ -107,5 +110,7 @@ def test_what_cannot_be_imported(words, says, capsys):
     Path("empty.jsonl").touch()
     source, *options = words.split()
     assert main(["bag", "import", source, "out.lcmlog", *options]) == 2
+    assert_says(capsys.readouterr().err, says)
+    assert main(["bag", "play", source, *options]) != 0
     assert_says(capsys.readouterr().err, says)
     assert not Path("out.lcmlog").exists()

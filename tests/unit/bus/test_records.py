@@ -176,7 +176,7 @@ def _full(folder):
 @pytest.mark.parametrize(
     "make",
     [
-        pytest.param(_foreign, marks=pytest.mark.skipif(os.getuid() != 0, reason="needs root")),
+        pytest.param(_foreign, marks=pytest.mark.root),
         _full,
         lambda folder: folder.symlink_to(folder),
         lambda folder: folder.write_text("no folder"),

@@ -4,10 +4,10 @@ import json
 import os
 import shutil
 import stat
-import sys
 from xml.etree import ElementTree as ET
 
 import pytest
+from fixtures.programs import PYTHON_SCRIPT
 
 from lcmtools.cli.graph import chosen_output, write
 from lcmtools.errors import LcmtoolsError, MissingExtra, UsageError
@@ -95,7 +95,7 @@ def test_a_pipe_is_written_into_and_not_replaced(tmp_path):
 def fake_dot(folder, script):
     """Put a Python script into a folder as Graphviz's program."""
     program = folder / "dot"
-    program.write_text(f"#!{sys.executable}\nimport pathlib, sys\n{script}\n")
+    program.write_text(f"{PYTHON_SCRIPT}\nimport pathlib, sys\n{script}\n")
     program.chmod(0o755)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from lcmtools.doctor import collect
 from lcmtools.doctor.collect import _refreshed_graph, _without_departed
-from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.evidence import Evidence, derived
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
 from lcmtools.graph.model import Graph, Node, Staleness, Traffic
@@ -162,3 +162,16 @@ def test_a_flood_of_channels_takes_little_memory_and_hides_no_other_one():
     assert len(channels) == 2000
     assert len(channels["/mine"].times) == 5000
     assert len(listening.clock_ticks) == 5000
+
+
+def test_functions_of_one_name_in_two_modules_derive_two_values():
+    def of_module(name, value):
+        def shares(_):
+            return value
+
+        shares.__module__ = name
+        return derived(shares)
+
+    evidence = Evidence("udpm://239.255.76.67:7667")
+    one, other = of_module("a", 1), of_module("b", 2)
+    assert [one(evidence), other(evidence), one(evidence)] == [1, 2, 1]

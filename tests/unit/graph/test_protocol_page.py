@@ -7,7 +7,7 @@ import pytest
 
 from lcmtools.bus.step_bus import STEP_CHANNEL
 from lcmtools.graph.model import VERSION
-from lcmtools.graph.protocol import TALK_CHANNELS
+from lcmtools.graph.protocol import PROTOCOL_CHANNELS
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.types.fingerprints import FINGERPRINTS
@@ -50,6 +50,6 @@ def test_the_page_says_how_a_struct_may_change(struct):
 def test_the_page_has_the_version_and_the_channels():
     assert f"The current version of the protocol is {VERSION}." in _PAGE
     assert set(re.findall(r"^\| `(/_lcmtools/\w+)`", _PAGE, re.MULTILINE)) == {
-        *TALK_CHANNELS,
+        *PROTOCOL_CHANNELS,
         STEP_CHANNEL,
     }

@@ -23,7 +23,7 @@ from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import VERSION, Endpoint, Node, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
-    TALK_CHANNELS,
+    PROTOCOL_CHANNELS,
     Announcement,
     Probe,
     Retained,
@@ -146,15 +146,6 @@ def test_this_version_writes_a_message_as_version_1_does():
     assert encode_shutdown(Shutdown("1-abc", 8, "someone")) == _BYTES["shutdown"]
 
 
-def test_of_an_announcement_before_version_1_the_head_is_read():
-    node = Node("/husky0/driver", "1-abc", "robot", 4711, 1_700_000_000_000_000_000)
-    node = node._replace(command="python driver.py", version=0, has_details=False)
-    payload = _BYTES["announcement before version 1"]
-    assert decode_announcement(payload) == Announcement(node, answers=77)
-    assert head_of(payload).identity
-    assert all(decode_announcement(payload[:end]) is None for end in range(100))
-
-
 def _newer(payload, *, roles=True):
     """Return an announcement as of a later version: more in each place that may grow."""
     message = decode(msgs.Announcement, payload)
@@ -253,8 +244,8 @@ def test_values_of_later_enumerations_do_no_harm():
     link = decode_appendable(msgs.RelayLink, report.links[0].data)
     link.state = 9
     report.links[0].data = encode_appendable(link) + b"more"
-    knowledge = decode_report(encode(report) + b"more")
-    assert knowledge == _REPORT._replace(links=(replace(_REPORT.links[0], state=State.STANDBY),))
+    read = decode_report(encode(report) + b"more")
+    assert read == _REPORT._replace(links=(replace(_REPORT.links[0], state=State.STANDBY),))
 
 
 def test_a_link_that_cannot_be_read_costs_no_other():
@@ -265,7 +256,7 @@ def test_a_link_that_cannot_be_read_costs_no_other():
     assert decode_report(encode(report)) == _REPORT
 
 
-@pytest.mark.parametrize("channel", sorted(TALK_CHANNELS))
+@pytest.mark.parametrize("channel", sorted(PROTOCOL_CHANNELS))
 @pytest.mark.parametrize("payload", [b"", b"\1" * 8, b"\1" * 80, encode(String())])
 def test_an_unknown_message_on_a_channel_of_the_protocol_does_nothing(channel, payload):
     builder = GraphBuilder()

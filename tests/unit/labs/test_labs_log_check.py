@@ -1,74 +1,17 @@
 """A lab's checks on recorded runs that are made up: what they judge, and what they cannot."""
 
 import json
-import math
 
 import pytest
+from fixtures.drives import STEPS, Drive, dolly, husky, pioneer, twist
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
-from lcmtools.types.geometry_msgs import PoseStamped, Twist
-from lcmtools.types.nav_msgs import Odometry
-from lcmtools.types.nav_msgs import Path as NavPath
+from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Packet
-
-_START = 1_795_384_180.0  # [s since 1970]
-_PERIOD = 0.02  # [s]
-
-
-class _Drive:
-    """A log of a robot, whose simulated time is that of the recording from 0 on."""
-
-    def __init__(self, log, robot):
-        self._log, self._robot = log, robot
-        self.time = 0.0
-
-    def send(self, topic, message):
-        self._log.add(Packet(topic, encode(message), round((_START + self.time) * 1e9)))
-
-    def move(self, x, y, forward, turn_rate):
-        """A period later."""
-        self.time += _PERIOD
-        odometry = Odometry()
-        stamp, place = odometry.header.stamp, odometry.pose.pose.position
-        twist = odometry.twist.twist
-        stamp.sec, stamp.nsec = int(self.time), round(self.time % 1 * 1e9)
-        place.x, place.y, twist.linear.x, twist.angular.z = x, y, forward, turn_rate
-        for topic in ("odometry", "ground_truth"):
-            self.send(f"{self._robot}/{topic}", odometry)
-        return odometry
-
-
-def _twist(forward, turn_rate):
-    twist = Twist()
-    twist.linear.x, twist.angular.z = forward, turn_rate
-    return twist
-
-
-def _husky(log, gain, steps):
-    """Steps of the desired velocity, of a length [s] each, which a gain makes too small."""
-    drive, command, stat = _Drive(log, "/husky0"), JointState(), ControllerEvaluationStat()
-    command.effort = [0.3, 0.4]
-    forward = turn_rate = squares = 0.0
-    for desired, desired_turn, seconds in steps:
-        drive.send("/husky0/desired_velocity", _twist(desired, desired_turn))
-        for _ in range(round(seconds / _PERIOD)):
-            forward += (gain * desired - forward) * 0.1
-            turn_rate += (gain * desired_turn - turn_rate) * 0.1
-            drive.move(0.0, 0.0, forward, turn_rate)
-            drive.send("/husky0/velocity_cmd", command)
-            stat.last_error = math.hypot(desired - forward, desired_turn - turn_rate)
-            stat.samples += 1
-            squares += stat.last_error**2
-            stat.average_error = math.sqrt(squares / stat.samples)
-            drive.send("/husky0/evaluation_stat", stat)
-
-
-_REST = 0, 0, 2
-_STEPS = [_REST, (0.1, 0, 5), _REST, (0.5, 0, 5), _REST, (1, 0, 5), _REST, (0, 0.3, 5)]
 
 
 @pytest.fixture
@@ -91,7 +34,7 @@ def _by_what(record):
 
 
 def test_a_recorded_controller_and_evaluator_are_judged(check):
-    code, record, text = check("husky", lambda log: _husky(log, 1.0, _STEPS))
+    code, record, text = check("husky", lambda log: husky(log, 1.0, STEPS))
     rows = _by_what(record)
     assert code == 0
     assert record["not_judged"] == []
@@ -104,7 +47,7 @@ def test_a_recorded_controller_and_evaluator_are_judged(check):
 
 
 def test_a_recorded_step_that_falls_short_has_its_cause(check):
-    code, record, text = check("husky", lambda log: _husky(log, 0.8, _STEPS))
+    code, record, text = check("husky", lambda log: husky(log, 0.8, STEPS))
     row = _by_what(record)["drive at 0.5 m/s"]
     assert (code, row["ok"], row["cause"]) == (1, False, "slow")
     assert row["measured"].startswith("0.400 m/s, never settled")
@@ -114,7 +57,7 @@ def test_a_recorded_step_that_falls_short_has_its_cause(check):
 
 def test_steps_that_were_not_desired_or_too_short_are_not_judged(check):
     steps = [(0, 0, 1), (0.5, 0, 1.2), (1, 0, 4), (0, 0, 2)]
-    code, record, text = check("husky", lambda log: _husky(log, 1.0, steps))
+    code, record, text = check("husky", lambda log: husky(log, 1.0, steps))
     found = {one["what"]: one["reason"] for one in record["not_judged"]}
     assert code == 0
     assert found == {
@@ -128,7 +71,7 @@ def test_steps_that_were_not_desired_or_too_short_are_not_judged(check):
 
 def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check):
     def fill(log):
-        _Drive(log, "/husky0").send("/husky0/velocity_cmd", JointState())
+        Drive(log, "/husky0").send("/husky0/velocity_cmd", JointState())
 
     code, record, _ = check("husky", fill)
     reasons = [one["reason"] for one in record["not_judged"]]
@@ -138,8 +81,8 @@ def test_a_robot_that_was_steered_without_a_desired_velocity_is_not_judged(check
 
 def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check):
     def fill(log):
-        drive, stat = _Drive(log, "/husky0"), ControllerEvaluationStat()
-        drive.send("/husky0/desired_velocity", _twist(0.3, 0.4))
+        drive, stat = Drive(log, "/husky0"), ControllerEvaluationStat()
+        drive.send("/husky0/desired_velocity", twist(0.3, 0.4))
         for number in range(100):
             drive.move(0.0, 0.0, 0.0, 0.0)
             stat.samples, stat.last_error, stat.average_error = 2 * number, 0.7, 0.7
@@ -149,7 +92,7 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check):
     rows = _by_what(record)
     assert code == 1
     assert not rows["samples"]["ok"]
-    assert rows["last_error"]["measured"] == "0 of 100"
+    assert rows["last_error"]["measured"] == "0.700, 0 of 100 right"
     assert "it is the sum |v - desired v| + |w - desired w|" in rows["last_error"]["hint"]
     (controller,) = record["not_judged"]
     assert controller["reason"].startswith("there are no messages on /husky0/velocity_cmd or ")
@@ -161,14 +104,14 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check):
         (lambda errors: sum(errors) / len(errors), "it is the mean of the errors, and should be"),
         (
             lambda errors: errors[-1],
-            "it should be the root of the mean of the squares of all errors",
+            "it is the last error alone, and should be the root of the mean of the squares",
         ),
     ],
 )
 def test_a_recorded_average_that_is_no_root_mean_square_is_found(average, words, check):
     def fill(log):
-        drive, stat, errors = _Drive(log, "/husky0"), ControllerEvaluationStat(), list[float]()
-        drive.send("/husky0/desired_velocity", _twist(0.3, 0.4))
+        drive, stat, errors = Drive(log, "/husky0"), ControllerEvaluationStat(), list[float]()
+        drive.send("/husky0/desired_velocity", twist(0.3, 0.4))
         for number in range(100):
             forward = 0.003 * number
             drive.move(0.0, 0.0, forward, 0.4)
@@ -183,21 +126,12 @@ def test_a_recorded_average_that_is_no_root_mean_square_is_found(average, words,
     assert row["hint"].startswith(words)
 
 
-def _dolly(log, seconds, radius=0.5 / 0.3):
-    drive = _Drive(log, "/dolly")
-    for number in range(round(seconds / _PERIOD)):
-        angle = 0.3 * drive.time
-        if number % 25 == 0:
-            drive.send("/dolly/cmd_vel", _twist(0.5, 0.3))
-        drive.move(radius * math.sin(angle), radius * (1 - math.cos(angle)), 0.5, 0.3)
-
-
 @pytest.mark.parametrize(
     ("seconds", "radius", "circle", "others"),
     [(30, 5 / 3, "1.667 m", 1), (30, 2.0, "2.000 m", 1), (10, 5 / 3, None, 2)],
 )
 def test_a_recorded_circle_is_judged_where_there_is_a_round(check, seconds, radius, circle, others):
-    code, record, text = check("dolly", lambda log: _dolly(log, seconds, radius))
+    code, record, text = check("dolly", lambda log: dolly(log, seconds, radius))
     rows = _by_what(record)
     assert rows["rate of commands"]["measured"] == "2.00 Hz"
     assert rows["velocity commanded"]["ok"]
@@ -207,24 +141,12 @@ def test_a_recorded_circle_is_judged_where_there_is_a_round(check, seconds, radi
     assert "reader, all of it: the lines that it prints are not in a log" in text
 
 
-def _pioneer(log, meters):
-    drive, path = _Drive(log, ""), NavPath()
-    for number in range(51):
-        pose = PoseStamped()
-        pose.pose.position.x = number / 10
-        path.poses.append(pose)
-    drive.send("/path", path)
-    drive.send("/RosAria/cmd_vel", _twist(0.5, 0.0))
-    while drive.time * 0.5 < meters:
-        drive.move(drive.time * 0.5, 0.05, 0.5, 0.0)
-
-
 def test_a_recorded_path_is_judged_to_its_end(check):
-    code, record, _ = check("pioneer", lambda log: _pioneer(log, 5.2))
+    code, record, _ = check("pioneer", lambda log: pioneer(log, 5.2))
     assert code == 0
     assert _by_what(record)["mean distance from the path"]["measured"] == "0.050 m"
     assert [one["program"] for one in record["not_judged"]] == ["teleop", "viewer"]
-    _, record, _ = check("pioneer", lambda log: _pioneer(log, 3.0))
+    _, record, _ = check("pioneer", lambda log: pioneer(log, 3.0))
     assert record["not_judged"][-1]["reason"] == "the log ends after 3.0 of 5.0 m"
     assert "drives the path" not in _by_what(record)
 
@@ -232,8 +154,7 @@ def test_a_recorded_path_is_judged_to_its_end(check):
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (["--rate", "2"], "--bag runs no program; leave out the programs and how they are run"),
-        (["--mover", "./a"], "--bag runs no program; leave out the programs and how they are run"),
+        (["--rate", "2"], "--bag simulates nothing; leave out --rate, --time-limit and --plot"),
         ([], "{path} has no topic of the lab dolly; lcmtools bag info {path} shows what it has"),
     ],
 )

@@ -94,8 +94,15 @@ def test_a_mistake_in_the_angle_is_named(angle, words, law):
     assert cause.text.startswith(f"its turns fit {words}")
 
 
-@pytest.mark.parametrize(("angle", "words"), MISTAKES, ids=[words for _, words in MISTAKES])
-@pytest.mark.parametrize("delays", [(1,), (0, 0, 2, 1), (0, 3, 1, 0)], ids=str)
+@pytest.mark.parametrize(
+    ("angle", "words", "delays"),
+    [
+        (angle, words, delays)
+        for (angle, words), delays in zip(
+            MISTAKES, cycle([(1,), (0, 0, 2, 1), (0, 3, 1, 0)]), strict=False
+        )
+    ],
+)
 def test_a_mistake_is_named_if_commands_arrive_late(angle, words, delays):
     cause = steering_cause(PATH, *run(angle, delays=delays))
     assert cause is not None
@@ -118,9 +125,10 @@ def test_exchanged_points_are_named(law):
 
 
 @pytest.mark.parametrize(
-    "points", [PATH, PATH[::-1], PATH[::8]], ids=["whole", "backwards", "sparse"]
+    ("points", "reach"),
+    [(PATH, 0.15), (PATH, 2.0), (PATH[::-1], 0.5), (PATH[::8], 0.5)],
+    ids=["whole-0.15", "whole-2.0", "backwards-0.5", "sparse-0.5"],
 )
-@pytest.mark.parametrize("reach", [0.15, 0.5, 2.0])
 @pytest.mark.parametrize("law", [proportional, turn_then_drive, slow_in_bends, on_a_circle])
 def test_a_right_angle_is_no_mistake(law, reach, points):
     assert steering_cause(PATH, *run(right, law, points, reach)) is None

@@ -11,6 +11,7 @@ import pickle
 import struct
 
 import pytest
+from fixtures.message_classes import check_constructor, check_values
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -22,12 +23,14 @@ from lcmtools.messages.definition import definition
 from lcmtools.messages.dicts import from_dict, to_dict
 from lcmtools.messages.fields import fields, visible_fields
 from lcmtools.messages.fill import fill
+from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.message_template import draft_from_values
-from lcmtools.messages.plain import to_json, to_plain
-from lcmtools.messages.registry import message_class
+from lcmtools.messages.path import Path, select
+from lcmtools.messages.plain import plain_value, to_json, to_plain
+from lcmtools.messages.registry import candidates, fingerprint, message_class, type_name
 from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import INTEGERS
-from lcmtools.messages.text import format_message
+from lcmtools.messages.text import FREE, format_message
 from lcmtools.types.fingerprints import FINGERPRINTS
 
 LONGEST = 3
@@ -195,17 +198,43 @@ def test_broken_payloads_are_refused(name):
     check()
 
 
-def test_every_default_message_survives_and_has_a_definition():
+@pytest.mark.parametrize("check", [check_values, check_constructor])
+def test_every_type_is_a_class_of_values(check, subtests):
     for name in FINGERPRINTS:
-        message = message_class(name)()
-        check_round_trips(message)
-        assert len(definition(type(message)).splitlines()) >= len(visible_fields(type(message)))
-        json.loads(to_json(message))
-        payload = encode(message)
-        assert coder(type(message)).scan(payload, 8)[1] == len(payload)  # needs no careful decoder
-        for size in range(len(payload)):
-            with pytest.raises(DecodeError):
-                decode(type(message), payload[:size])
+        with subtests.test(name):
+            check(message_class(name))
+
+
+def test_every_default_message_survives_and_has_a_definition(subtests):
+    for name in FINGERPRINTS:
+        with subtests.test(name):
+            check_default_message(message_class(name)())
+
+
+def check_default_message(message):
+    cls, payload = type(message), encode(message)
+    check_round_trips(message)
+    assert len(definition(cls).splitlines()) >= len(visible_fields(cls))
+    json.loads(to_json(message))
+    decoded, end = coder(cls).scan(payload, 8)  # needs no careful decoder
+    assert end == len(payload)
+    found = select(decoded, Path())
+    plain = plain_value(found.value, found.target)
+    assert plain == to_plain(message)
+    assert FREE.block(plain).splitlines() == format_message(decoded).splitlines()
+    assert foreign_format(payload) == ""
+    for size in range(len(payload)):
+        with pytest.raises(DecodeError):
+            decode(cls, payload[:size])
+
+
+def test_every_type_has_its_name_and_its_fingerprint(subtests):
+    for name, number in FINGERPRINTS.items():
+        with subtests.test(name):
+            cls = message_class(name)
+            assert type_name(cls) == type_name(cls()) == name
+            assert fingerprint(cls) == number
+            assert name in candidates(number)
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,11 @@ from lcmtools.messages.registry import (
     Registry,
     TypeSource,
     candidates,
-    fingerprint,
     message_class,
     packages,
     service_class,
     service_name,
     service_names,
-    type_name,
     type_names,
 )
 from lcmtools.messages.type_names import near_miss
@@ -108,15 +106,6 @@ def test_an_unknown_service_names_what_may_be_meant(name, line):
     with pytest.raises(UnknownType) as caught:
         service_class(name)
     assert str(caught.value) == line
-
-
-@pytest.mark.parametrize("name", sorted(FINGERPRINTS))
-def test_every_type_has_its_name_and_its_fingerprint(name):
-    cls = message_class(name)
-    assert type_name(cls) == name
-    assert type_name(cls()) == name
-    assert fingerprint(cls) == FINGERPRINTS[name]
-    assert name in candidates(FINGERPRINTS[name])
 
 
 @pytest.mark.parametrize(

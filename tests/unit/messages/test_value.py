@@ -12,10 +12,8 @@ import pytest
 
 from lcmtools.message_value import MessageValue
 from lcmtools.messages.codec import decode, encode
-from lcmtools.messages.fields import fields, visible_fields
 from lcmtools.messages.registry import message_class
 from lcmtools.types import geometry_msgs, sensor_msgs, std_msgs
-from lcmtools.types.fingerprints import FINGERPRINTS
 from lcmtools.types.geometry_msgs import Point, Pose2D, PoseArray, Quaternion, Twist, Vector3
 from lcmtools.types.nav_msgs import OccupancyGrid
 from lcmtools.types.sensor_msgs import CameraInfo, Image, JointState, LaserScan
@@ -26,61 +24,6 @@ NAMES = {
     for package in (geometry_msgs, sensor_msgs, std_msgs)
     for name in vars(package)
 }
-SHIPPED = sorted(FINGERPRINTS)
-
-
-def value_class(name):
-    return message_class(name)
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_every_type_is_a_value(name):
-    cls = value_class(name)
-    message = cls()
-    assert message == cls()
-    assert not message != cls()  # noqa: SIM202 - the other operator
-    assert decode(cls, encode(message)) == message == cls.decode(message.encode())
-    assert repr(message).startswith(f"{cls.__name__}(")
-    assert all(f"{field.name}=" in repr(message) for field in visible_fields(cls))
-    for again in (
-        copy.copy(message),
-        copy.deepcopy(message),
-        *(pickle.loads(pickle.dumps(message, protocol)) for protocol in range(6)),  # noqa: S301 - ours
-    ):
-        assert again == message
-        assert again is not message
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_every_type_takes_its_fields_by_name_and_in_order(name):
-    cls = value_class(name)
-    marks = {field: object() for field in cls.__slots__}
-    made = cls(**marks)
-    assert {field: getattr(made, field) for field in marks} == marks
-    in_order = [field.name for field in visible_fields(cls)]
-    placed = cls(*range(len(in_order)))
-    assert [getattr(placed, field) for field in in_order] == list(range(len(in_order)))
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_an_unknown_field_is_a_type_error_that_names_the_fields(name):
-    cls = value_class(name)
-    names = [field.name for field in (*visible_fields(cls), *fields(cls)) if field]
-    known = f"has the fields {', '.join(dict.fromkeys(names))}" if names else "has no fields"
-    with pytest.raises(TypeError) as raised:
-        cls(no_such_field=1)
-    assert str(raised.value).startswith(
-        f"{cls.__name__} {known}; {cls.__name__}() got an unexpected keyword argument"
-    )
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_new_messages_share_nothing(name):
-    one, other = value_class(name)(), value_class(name)()
-    for field in fields(type(one)):
-        value = getattr(one, field.attribute)
-        if field.message_class or isinstance(value, list):
-            assert value is not getattr(other, field.attribute)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from lcmtools.graph.protocol import (
     encode_probe,
 )
 from lcmtools.node.announcer import Announcer
+from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import Trigger
 
@@ -49,7 +50,7 @@ def test_a_new_node_is_announced_at_once_with_all_that_it_is(begin, bus, wait_un
 
 
 def test_a_node_is_announced_each_period(begin, bus, wait_until, monkeypatch):
-    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.01)
+    monkeypatch.setattr("lcmtools.graph.announcing.PERIOD", 0.01)
     begin()
     Node("a")
     wait_until(lambda: len(_announced(bus)) > 5)
@@ -58,7 +59,8 @@ def test_a_node_is_announced_each_period(begin, bus, wait_until, monkeypatch):
 def test_rates_are_announced_while_messages_come_and_not_afterwards(
     begin, bus, wait_until, monkeypatch
 ):
-    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.05)
+    for module in ("graph.announcing", "node.announcer"):
+        monkeypatch.setattr(f"lcmtools.{module}.PERIOD", 0.05)
     begin()
     publisher = Node("a").create_publisher(String, "/chatter")
 
@@ -169,7 +171,7 @@ class _Refusing(FakeBus):
 
 
 def test_announcing_goes_on_when_the_network_comes_back(begin, wait_until, monkeypatch):
-    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 0.01)
+    monkeypatch.setattr("lcmtools.graph.announcing.PERIOD", 0.01)
     bus = _Refusing()
     begin(bus=bus)
     node = Node("a")
@@ -190,53 +192,13 @@ def test_a_node_that_takes_long_to_describe_is_announced_seldom_while_it_is_set_
         described.append(None)
         return []
 
-    announcer = Announcer(bus, describe)
+    announcer = Announcer(bus, describe, GraphFollower(bus, None))
     end = time.monotonic() + 0.5
     while time.monotonic() < end:
         announcer.announce_soon()
         time.sleep(0.001)
     announcer.close()
     assert 1 <= len(described) <= 5
-
-
-def test_a_node_that_rests_after_a_long_description_answers_who_asks(bus, wait_until, monkeypatch):
-    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 600.0)
-    monkeypatch.setattr("lcmtools.node.announcer._REST", 1e9)
-    described = []
-
-    def describe():
-        described.append(None)
-        return []
-
-    announcer = Announcer(bus, describe)
-    wait_until(lambda: described)
-    announcer.announce_soon()
-    _probe(bus)  # without a nonce, as lists ask
-    wait_until(lambda: len(described) > 1)
-    announcer.close()
-
-
-def test_a_node_that_was_held_up_answers_twice_who_asked_twice(bus, wait_until, monkeypatch):
-    """A command asks twice since one answer may be lost; two are enough for any number."""
-    monkeypatch.setattr("lcmtools.node.announcer.PERIOD", 600.0)
-    described = []
-    goes_on = threading.Event()
-
-    def describe():
-        described.append(None)
-        goes_on.wait()
-        return []
-
-    announcer = Announcer(bus, describe)
-    wait_until(lambda: described)
-    for _ in range(5):
-        _probe(bus)
-    goes_on.set()
-    wait_until(lambda: len(described) == 3)
-    _probe(bus)
-    wait_until(lambda: len(described) == 4)
-    announcer.close()
-    assert len(described) == 4
 
 
 def test_a_command_line_that_is_not_utf8_is_announced(begin, bus, wait_until, monkeypatch):
@@ -285,7 +247,7 @@ def test_a_fault_of_one_announcement_is_reported_and_the_next_is_made(bus, wait_
             raise faults.pop()
         return [node]
 
-    announcer = Announcer(bus, describe)
+    announcer = Announcer(bus, describe, GraphFollower(bus, None))
     wait_until(lambda: reports)
     announcer.announce_soon()
     wait_until(lambda: _announced(bus))

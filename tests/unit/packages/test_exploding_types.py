@@ -7,8 +7,9 @@ import pytest
 from fixtures.limits import cpu_limit
 
 from lcmtools.messages.registry import Registry, fingerprint
-from lcmtools.packages.comments import comments
 from lcmtools.packages.expansion import DEEPEST, MOST_FIELDS, Expansion, TooManyFields
+from lcmtools.packages.placed_type import comments
+from lcmtools.packages.type_files import LcmFile
 from lcmtools.packages.user_types import UserTypes
 
 Types = Callable[..., UserTypes]
@@ -102,7 +103,7 @@ def test_a_large_file_is_scanned_once(part, start, write, types_of):
     folder = write({"own/T.lcm": text, "own/msg/T.msg": text})
     with cpu_limit():
         near(types_of(folder))
-        comments(text)
+        comments(LcmFile("T.lcm", text.encode()), "T")
 
 
 def test_a_comment_that_is_not_closed_is_named(write, types_of):

@@ -66,7 +66,7 @@ def ask(monkeypatch):
         def found(*_):
             yield bus
 
-        monkeypatch.setattr(simulator, "own_node", found)
+        monkeypatch.setattr(simulator, "temporary_node", found)
         simulator.call_simulator(
             bus,
             name,

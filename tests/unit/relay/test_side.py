@@ -3,6 +3,7 @@
 import time
 from types import SimpleNamespace
 
+from lcmtools.bounded import MOST_ENTRIES
 from lcmtools.graph.model import Endpoint, Node, Role, Traffic
 from lcmtools.graph.protocol import MOST_OBSERVED, NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.relay.rules import Direction, Rules
@@ -69,7 +70,7 @@ def test_a_stranger_who_makes_senders_up_or_sends_images_fills_no_memory():
     for port in range(1, 12_000):
         packet = Packet("/a", bytes(100), time.time_ns(), Sender("10.0.0.1", port))
         assert len(side.sort([packet], other, passes=True)[1]) == 1
-    assert len(side._last) <= 10_000
+    assert len(side._last) <= MOST_ENTRIES
     image = Packet("/b", bytes(1 << 20), time.time_ns(), Sender("10.0.0.1", 1))
     assert len(side.sort([image], other, passes=True)[1]) == 1
     assert ("/b", image.sender) not in side._last
@@ -87,7 +88,7 @@ def test_state_is_kept_however_many_channels_come():
     odd = [Packet("/odd", number.to_bytes(8, "big"), now, _PLAIN) for number in range(11_000)]
     side.sort(odd, other, passes=True)
     assert [message.channel for message in side.latched()] == ["/map"]
-    assert len(side._routes) <= 10_000
+    assert len(side._routes) <= MOST_ENTRIES
 
 
 def test_what_was_held_up_before_it_came_is_dropped_unless_it_is_state():

@@ -21,8 +21,13 @@ def annotations(name):
     }
 
 
-@pytest.mark.parametrize("name", FINGERPRINTS)
-def test_stub_names_the_fields_of_the_class(name):
+def test_stubs_name_the_fields_of_the_classes(subtests):
+    for name in FINGERPRINTS:
+        with subtests.test(name):
+            check_fields(name)
+
+
+def check_fields(name):
     source = ast.parse((ROOT / "lcmtools" / "types" / f"{name}.py").read_text())
     struct = next(node for node in source.body if isinstance(node, ast.ClassDef))
     slots = next(node for node in struct.body if isinstance(node, ast.Assign))

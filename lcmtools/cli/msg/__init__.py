@@ -1,1 +1,0 @@
-"""The verbs of ``lcmtools msg``, one file each."""

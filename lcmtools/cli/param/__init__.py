@@ -1,1 +1,0 @@
-"""The verbs of ``lcmtools param``, one file each."""

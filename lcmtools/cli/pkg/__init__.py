@@ -1,1 +1,0 @@
-"""The verbs of ``lcmtools pkg``, one file each."""
