@@ -99,8 +99,11 @@ def command(
         if not is_standard_output(save_to):
             write_note(f"the evidence is in {save_to}")
     findings = examine(evidence, rules)
-    rows = [*report.text(findings), *report.not_checked(evidence, rules)]
-    records = [*map(report.record, findings), *report.unchecked_records(evidence, rules)]
+    rows, records = [], []
+    if as_json:
+        records = [*map(report.record, findings), *report.unchecked_records(evidence, rules)]
+    else:
+        rows = [*report.text(findings), *report.not_checked(evidence, rules)]
     with results_beside(save_to):
         write_result(records, rows, _decoration(), as_json=as_json)
     return max((finding.severity for finding in findings), default=Severity.NOTE).value

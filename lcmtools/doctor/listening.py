@@ -215,6 +215,8 @@ class Listening:
         """
         key = packet.payload[:8], tuple(self._types_of(packet.channel))
         if key not in self._classes:
+            import lcmtools.doctor.content  # noqa: F401 - does not count as decoding either
+
             try:
                 self._classes[key] = self._decoder.message_class(packet)
             except UnknownFingerprint as error:

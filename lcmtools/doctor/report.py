@@ -13,7 +13,14 @@ from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Finding, Part, Rule, Severity, Statement, Subject
 from lcmtools.doctor.rules import examine
 from lcmtools.doctor.rules.unchecked import unchecked
-from lcmtools.doctor.sentences import commands, describe, fact_lines, remedy_text, unchecked_text
+from lcmtools.doctor.sentences import (
+    commands,
+    describe,
+    fact_lines,
+    line_count,
+    remedy_text,
+    unchecked_text,
+)
 
 _MOST = 24  # items, or remedies, of a finding in text
 _HEADINGS = {
@@ -42,17 +49,17 @@ def text(findings: Sequence[Finding]) -> list[str]:
 
 def finding_text(finding: Finding) -> list[str]:
     """Format a finding with its items and remedies."""
-    words = describe(finding)
-    remedies = [f"   -> {remedy}" for remedy in words.remedies]
-    rows = [*_shortened(words.items, " *"), *_shortened(remedies, "   ->")]
-    return [f"{finding.severity.name} {words.title}", *rows]
+    title, items, remedies = describe(replace(finding, facts=finding.facts[:_MOST]))
+    left = sum(map(line_count, finding.facts[_MOST:]))
+    rows = [*_shortened(items, " *", left), *_shortened([f"   -> {x}" for x in remedies], "   ->")]
+    return [f"{finding.severity.name} {title}", *rows]
 
 
-def _shortened(rows: Sequence[str], mark: str) -> list[str]:
-    """Return the first rows, and the number of the others; JSON has all of them."""
-    if len(rows) <= _MOST:
+def _shortened(rows: Sequence[str], mark: str, left: int = 0) -> list[str]:
+    """Return the first rows, and the number of the others (with ``left``); JSON has all of them."""
+    if len(rows) + left <= _MOST:
         return list(rows)
-    return [*rows[: _MOST - 1], f"{mark} … and {len(rows) - _MOST + 1} more"]
+    return [*rows[: _MOST - 1], f"{mark} … and {len(rows) + left - _MOST + 1} more"]
 
 
 def change_text(change: str, finding: Finding) -> list[str]:

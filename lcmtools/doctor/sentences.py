@@ -54,8 +54,18 @@ def unchecked_text(unchecked: Unchecked) -> str:
 def fact_lines(fact: Statement) -> Iterator[str]:
     """Format a fact as a line; after a colon, a line for each of its topics."""
     yield f" * {_fill(fact.sentence, {**fact.parts, 'type': _type(fact)})}"
-    if fact.sentence.endswith(":"):  # as roswtf lists them: a node, and its topics below it
-        yield from (f"   * {topic}" for topic in fact.subjects() if topic.kind == "topic")
+    yield from (f"   * {topic}" for topic in _topics_below(fact))
+
+
+def line_count(fact: Statement) -> int:
+    """Return the number of a fact's lines."""
+    return 1 + len(_topics_below(fact))
+
+
+def _topics_below(fact: Statement) -> list[Subject]:
+    """Return the topics that are listed below a node, as roswtf lists them."""
+    is_head = fact.sentence.endswith(":")
+    return [one for one in fact.subjects() if one.kind == "topic"] if is_head else []
 
 
 def _type(fact: Statement) -> str:

@@ -164,9 +164,10 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
             is_hash = any(map(may_be_fingerprint, seen.fingerprints))
             if (is_hash or likely) and known.isdisjoint(seen.fingerprints):
                 sender = _sender(seen, sender_names(evidence))
-                unknown_ones[_sent_by(seen)[0], likely].append(sender)
+                number = seen.fingerprints[0] if len(seen.fingerprints) == 1 else _NO_TYPE
+                unknown_ones[number, likely].append(sender)
         for (number, likely), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _type(number, topic)
+            parts = {"format": likely} if likely else _unknown_type(number, topic)
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
@@ -328,11 +329,11 @@ def _possible(fingerprint: int, topic: Topic) -> list[str]:
     return possible_types(fingerprint, topic.name, topic.types)
 
 
-def _expected(topic: Topic) -> Iterator[str]:
+def _expected(topic: Topic, unknown: int) -> Iterator[str]:
     """Yield the types of a topic: announced, possibly sent, and the user's own named so."""
     yield from (name for name in topic.types if name in type_names())
     for number in topic.fingerprints:
-        yield from _possible(number, topic)
+        yield from _possible(number, topic) if number != unknown else ()
     yield from own_types_like(topic.name)
 
 
@@ -342,8 +343,13 @@ def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[
         return {}
     if known := _possible(fingerprint, topic):
         return {"types": tuple(known)}
-    if not may_be_fingerprint(fingerprint):
+    return _unknown_type(fingerprint, topic, expected)
+
+
+def _unknown_type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
+    """Return the parts of a statement that describe a type that no known one is."""
+    if fingerprint == _NO_TYPE or not may_be_fingerprint(fingerprint):
         return {}
-    near = other_version(fingerprint, [*expected, *_expected(topic)])
+    near = other_version(fingerprint, [*expected, *_expected(topic, fingerprint)])
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})

@@ -108,3 +108,23 @@ def test_a_process_is_stopped_until_it_is_continued():
         assert not is_stopped(child.pid)
         child.kill()
     assert not is_stopped(child.pid)
+
+
+@pytest.mark.parametrize("error", [PermissionError, ProcessLookupError])
+def test_a_process_that_proc_hides_has_not_ended(error, monkeypatch, tmp_path):
+    """As /proc mounted with hidepid=2 does with those of other users: EPERM is not ESRCH."""
+
+    def kill(_pid, _signal):
+        raise error
+
+    (tmp_path / "self").symlink_to(str(os.getpid()))
+    monkeypatch.setattr(processes, "_PROC", tmp_path)
+    monkeypatch.setattr(os, "kill", kill)
+    found = process_of(4711)
+    assert found == (processes.Process(4711, "") if error is PermissionError else None)
+
+
+def test_a_table_of_sockets_that_cannot_be_read_is_not_known(monkeypatch, tmp_path):
+    monkeypatch.setattr(processes, "_SOCKET_TABLES", (tmp_path / "udp", tmp_path / "udp6"))
+    assert not processes.sockets_are_known()
+    assert processes.udp_sockets() == []

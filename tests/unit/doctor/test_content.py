@@ -258,3 +258,22 @@ def test_frames_of_transforms_are_taken_once_each_without_slashes():
         message = TFMessage(transforms=[transform])
         listening.add_packet(Packet("/a/tf", encode(message), NOW, sender))
     assert listening.frames(str) == (FrameParent("/a", "odom", "map", str(ALICE)),)
+
+
+@pytest.mark.parametrize(
+    ("ratios", "found"),
+    [
+        ([1.0] * 5, 1.0),
+        ([0.7, 0.7, 0.7, 0.7, 2.0], 0.7),  # behind real time, although it catches up at times
+        ([1.0, 1.0, 0.1, 1.0, 1.0], 1.0),  # a single pause
+    ],
+)
+def test_the_pace_of_simulated_time_is_that_of_most_parts_of_a_look(ratios, found):
+    listening, arrival, simulated = Listening(lambda _: ()), NOW, 0
+    for ratio in ratios:
+        for _ in range(10):
+            arrival, simulated = arrival + 20_000_000, simulated + round(ratio * 20_000_000)
+            message = Clock()
+            message.clock.sec, message.clock.nsec = divmod(simulated, 10**9)
+            listening.add_packet(Packet("/clock", encode(message), arrival, ALICE))
+    assert listening.clock_ratio() == pytest.approx(found, rel=0.1)
