@@ -5,11 +5,11 @@ Belongs here: records and chunks. Must not know what messages contain.
 
 import struct
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from heapq import heappop, heappush
 from io import BytesIO
 from itertools import accumulate
 from typing import Any, BinaryIO, Literal, NamedTuple
-from zlib import crc32
 
 from lcmtools.bag.damage import damage_text
 from lcmtools.errors import needing_extra
@@ -18,10 +18,9 @@ from lcmtools.wire.log_compression import Compression, decompressed_bytes
 MAGIC = b"\x89MCAP0\r\n"
 _HEAD = struct.Struct("<BQ")  # a record's kind and length
 _TIME = struct.Struct("<Q")  # [ns since 1970]
-_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence number, time of recording, of sending
-_SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END, _FOOTER = 3, 4, 5, 6, 15, 2
-_READ = (_SCHEMA, _CHANNEL, _MESSAGE_KIND, _CHUNK, _DATA_END)
-_TIME_AT = {_MESSAGE_KIND: 6, _CHUNK: 0}  # where a record has its (earliest) time [byte]
+_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END, _FOOTER = 3, 4, 5, 6, 15, 2
+_READ = (_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END)
+_TIME_AT = {_MESSAGE: 6, _CHUNK: 0}  # where a record has its (earliest) time [byte]
 _NEVER = 2**64
 _MOST_OF_CHUNK = 1 << 28  # bytes, when unpacked
 _COMPRESSIONS: dict[str, Compression | Literal["bz2"]] = {
@@ -59,13 +58,17 @@ class McapFileReader:
     def __init__(self, file: BinaryIO, on_damage: Callable[[str], object]) -> None:
         with needing_extra("mcap", "MCAP needs"):
             from mcap.data_stream import ReadDataStream
-            from mcap.records import Channel, Chunk, Schema
+            from mcap.records import Channel, Chunk, Message, Schema
+            from mcap.stream_reader import breakup_chunk
         self._file = file
         self._on_damage = on_damage
         self._size = file.seek(0, 2)
-        self._parsers = {
-            kind: lambda content, parser=parser: parser.read(ReadDataStream(BytesIO(content)))
-            for kind, parser in ((_SCHEMA, Schema), (_CHANNEL, Channel), (_CHUNK, Chunk))
+        self._stream, self._breakup = ReadDataStream, breakup_chunk
+        self._classes: dict[int, Any] = {
+            _SCHEMA: Schema,
+            _CHANNEL: Channel,
+            _CHUNK: Chunk,
+            _MESSAGE: Message,
         }
         self._schemas: dict[int, Any] = {}
         self._channels: dict[int, Any] = {}
@@ -114,49 +117,41 @@ class McapFileReader:
         return int(_TIME.unpack(time)[0]) if len(time) == _TIME.size else _NEVER
 
     def _read(self, record: _Record) -> Iterator[McapMessage]:
-        """Yield a record's messages; of one that is cut off, those that can be read."""
-        is_whole = record.start + record.length <= self._size
+        """Yield a record's messages; none of one that is cut off or damaged."""
+        if record.start + record.length > self._size or record.kind == _DATA_END:
+            return
         self._file.seek(record.start)
-        content = self._file.read(min(record.length, self._size - record.start))
         try:
-            if record.kind == _CHUNK:
-                yield from self._chunk(content, is_whole=is_whole)
-            elif is_whole:
-                yield from self._plain(record.kind, content)
+            found = self._parsed(record.kind, self._file.read(record.length))
         except Exception as error:
             reason = damage_text(error)
             if reason is None:
                 raise
-            if is_whole:  # else what is missing explains it
-                self._on_damage(f"at byte {record.start - _HEAD.size} it is damaged: {reason}")
+            self._on_damage(f"at byte {record.start - _HEAD.size} it is damaged: {reason}")
+            return
+        for one in found:
+            if isinstance(one, self._classes[_SCHEMA]):
+                self._schemas[one.id] = one
+            elif isinstance(one, self._classes[_CHANNEL]):
+                if one != self._channels.get(one.id):  # chunks repeat their channels
+                    self._channels[one.id] = one
+            else:
+                channel = self._channels.get(one.channel_id)
+                schema = self._schemas.get(channel.schema_id) if channel else None
+                self._count += 1
+                yield McapMessage(one.log_time, self._count, channel, schema, one.data)
 
-    def _chunk(self, content: bytes, *, is_whole: bool) -> Iterator[McapMessage]:
-        chunk = self._parsers[_CHUNK](content)
-        plain = decompressed_chunk(chunk.compression, chunk.data)
-        if is_whole:
-            _check(plain, chunk)
-        at = 0
-        while at + _HEAD.size <= len(plain):
-            kind, length = _HEAD.unpack_from(plain, at)
-            start = at + _HEAD.size
-            at = start + length
-            if at <= len(plain):
-                yield from self._plain(kind, plain[start:at])
-
-    def _plain(self, kind: int, content: bytes) -> Iterator[McapMessage]:
-        if kind == _SCHEMA:
-            schema = self._parsers[kind](content)
-            self._schemas[schema.id] = schema
-        elif kind == _CHANNEL:
-            channel = self._parsers[kind](content)
-            if channel != self._channels.get(channel.id):  # chunks repeat their channels
-                self._channels[channel.id] = channel
-        elif kind == _MESSAGE_KIND:
-            number, _, time, _ = _MESSAGE.unpack_from(content)
-            channel = self._channels.get(number)
-            schema = self._schemas.get(channel.schema_id) if channel else None
-            self._count += 1
-            yield McapMessage(time, self._count, channel, schema, content[_MESSAGE.size :])
+    def _parsed(self, kind: int, content: bytes) -> list[Any]:
+        """Return the library's records in one, a chunk or another."""
+        length = (len(content),) if kind == _MESSAGE else ()
+        found: Any = self._classes[kind].read(self._stream(BytesIO(content)), *length)
+        if kind != _CHUNK:
+            return [found]
+        plain = decompressed_chunk(found.compression, found.data)
+        if len(plain) != found.uncompressed_size:
+            raise ValueError(f"it has {len(plain)} bytes instead of {found.uncompressed_size}")
+        unpacked = replace(found, compression="", data=plain)
+        return self._breakup(unpacked, validate_crc=True)
 
 
 def decompressed_chunk(kind: str, data: bytes) -> bytes:
@@ -166,10 +161,3 @@ def decompressed_chunk(kind: str, data: bytes) -> bytes:
     if kind not in _COMPRESSIONS:
         raise ValueError(f"its compression {kind} is unknown")
     return decompressed_bytes(_COMPRESSIONS[kind], data, _MOST_OF_CHUNK)
-
-
-def _check(plain: bytes, chunk: Any) -> None:  # noqa: ANN401 - of the library
-    if len(plain) != chunk.uncompressed_size:
-        raise ValueError(f"it has {len(plain)} bytes instead of {chunk.uncompressed_size}")
-    if chunk.uncompressed_crc and crc32(plain) != chunk.uncompressed_crc:
-        raise ValueError("its checksum is wrong")

@@ -126,3 +126,14 @@ def test_what_keys_or_a_picture_would_show_is_not_judged(check):
     code, failed, record = check("pioneer", _circle, "--teleop", "true", "--viewer", "true")
     assert (code, failed, record["rows"]) == (1, {}, [])
     assert [one["program"] for one in record["not_judged"]] == ["teleop", "viewer"]
+
+
+def test_a_program_here_is_named_where_the_recording_itself_is_judged(cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with LogWriter("drive.lcmlog") as writer:
+        husky(writer, 1.0, STEPS)
+    Path("simple_controller.py").write_text(_CONTROLLER.read_text())
+    done = cli("lab", "check", "husky", "--bag", "drive.lcmlog")
+    assert done.code == 0
+    typed = "lcmtools lab check husky simple_controller.py --bag drive.lcmlog"
+    assert_says(done.err, f"judges the recording itself; {typed} runs what is here with it")

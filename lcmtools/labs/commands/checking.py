@@ -1,6 +1,7 @@
 """Checks of a user's programs, of a recorded run or of a class, with their rows printed at once."""
 
 import os
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +22,7 @@ from lcmtools.labs.checks.log_check import check_log
 from lcmtools.labs.checks.plot import draw_check
 from lcmtools.labs.checks.rerun_check import check_rerun
 from lcmtools.labs.checks.results import CheckResult, Report
+from lcmtools.labs.checks.submissions import programs_named
 from lcmtools.observe.measuring.curves import check_suffix, empty_figure
 
 Show = Callable[[Sequence[str]], object]
@@ -116,6 +118,10 @@ def check_recorded(lab: Lab, path: str, runs: Sequence[Run], show: Show) -> Outc
     else:
         with Log(path) as log:
             reports, others = check_log(lab, log)
+        here = [str(files[0]) for files in programs_named(lab, Path.cwd()).values()]
+        if here and show is not show_nothing:
+            typed = f"lcmtools lab check {lab.name} {shlex.join((*here, '--bag', path))}"
+            write_note(f"judges the recording itself; {typed} runs what is here with it")
     for report in reports:
         rows = [row for result in report.results for row in check_report.rows(result)]
         show([*heading(report.program, report.command, is_log=not runs), *rows])
