@@ -11,6 +11,11 @@ export function clockText(time) {
   return `${parts}.${String(date.getMilliseconds()).padStart(3, "0")}`;
 }
 
+/** Return a number of things: "1 line", "2 lines". @param {number} count @param {string} noun */
+export function counted(count, noun) {
+  return `${count} ${noun}${count === 1 ? "" : "s"}`;
+}
+
 // The next five are the same in Python, which tests/fixtures/texts.json proves.
 
 /** @param {number} rate [Hz] */

@@ -202,6 +202,13 @@ JUDGES: Mapping[str, Judge] = {
     "mover": _mover,
 }
 """By the program's option."""
+
+
+def can_play(program: LabProgram) -> bool:
+    """Return whether a program's answers to a recorded drive can be judged."""
+    return program.option in (*JUDGES, "reader")
+
+
 _ELSEWHERE = {
     "teleop": "the keys that were pressed are",
     "viewer": "the picture that it saves is",
