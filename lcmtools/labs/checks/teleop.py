@@ -156,8 +156,10 @@ def _pressed(keyboard: _Keyboard, key: str, motion: Motion, *, is_whole: bool = 
         keyboard.follows(wanted)
         again = velocity_of(keyboard.last())
         changes = again is not None and not is_alike(again, other)
-    keyboard.press(key.upper())
-    as_capital = key != key.upper() and keyboard.follows(wanted)
+    as_capital = False
+    if key != key.upper() and not (changes and any(velocity_of(twist) or ())):
+        keyboard.press(key.upper())
+        as_capital = keyboard.follows(wanted)
     return KeyPress(key, wanted, twist, changes, as_capital)
 
 
