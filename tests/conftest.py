@@ -3,6 +3,7 @@
 Nothing here waits for luck: every wait has a condition and a deadline.
 """
 
+import functools
 import itertools
 import os
 import signal
@@ -21,7 +22,7 @@ from fixtures.command import call
 from fixtures.nodes import LiveNode
 from fixtures.programs import Program, Stopwatch
 
-from lcmtools.bus.multicast import check_multicast
+from lcmtools.bus.multicast import check_multicast, check_route
 from lcmtools.bus.url import parse_url
 from lcmtools.errors import BusError
 
@@ -55,6 +56,7 @@ _SECONDS = {
 }
 """About how long a test takes, by its folder; of others it is no matter."""
 _ALONE = {"labs", "docs", "faults"}  # tests there have nothing in common with their neighbours
+_BUSES = {"bus_url", "module_bus_url", "free_port"}
 _OWN_NETWORKS = {"bare_network", "private_network", "network", "pair", "module_pair"}
 """Fixtures that make networks of a test's own, as only root can."""
 
@@ -115,9 +117,24 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_runtest_setup(item):
-    """Skip what only root can do, in one sentence for all."""
+    """Skip what only root or multicast can do, in one sentence for all."""
     if item.get_closest_marker("root") and os.getuid() != 0:
         pytest.skip("only root can do that; .ci/run as root does it")
+    names = set(getattr(item, "fixturenames", ()))
+    if names & _BUSES and not names & _OWN_NETWORKS and _no_multicast():
+        pytest.skip(_no_multicast())
+
+
+@functools.cache
+def _no_multicast():
+    """Return what the product says where multicast does not work, else ""."""
+    url = parse_url("udpm://239.255.76.67:7667?ttl=0")
+    try:
+        check_route(url)  # plain LCM programs need one, although lcmtools does not
+        check_multicast(url)
+    except BusError as error:
+        return str(error)
+    return ""
 
 
 def _folder(item):
@@ -166,28 +183,9 @@ def free_port():
         lock.close()
 
 
-@pytest.fixture(scope="session")
-def _no_multicast():
-    """The sentence that the product says where multicast does not work, else "".
-
-    It is looked at before a test may go into a network of its own, where it is another matter.
-    """
-    try:
-        check_multicast(parse_url("udpm://239.255.76.67:7667?ttl=0"))
-    except BusError as error:
-        return str(error)
-    return ""
-
-
-def _require_multicast(sentence, request):
-    if sentence and not _OWN_NETWORKS & set(request.fixturenames):
-        pytest.skip(sentence)
-
-
 @pytest.fixture
-def bus_url(free_port, _no_multicast, request):
+def bus_url(free_port):
     """A multicast bus that belongs to this test alone and stays on this computer."""
-    _require_multicast(_no_multicast, request)
     return f"udpm://239.255.76.67:{free_port()}?ttl=0"
 
 
@@ -346,9 +344,8 @@ def lcm_program():
 
 
 @pytest.fixture(scope="module")
-def module_bus_url(_no_multicast, request):
+def module_bus_url():
     """A bus that the tests of a module share."""
-    _require_multicast(_no_multicast, request)
     with networks.reserve_port() as lock:
         yield f"udpm://239.255.76.67:{lock.getsockname()[1]}?ttl=0"
 

@@ -211,9 +211,9 @@ def test_a_plain_c_program_is_played_to_in_real_time(tmp_path, cli):
 
 def test_a_launch_file_is_run_and_chains_are_exact(tmp_path, cli):
     launch = tmp_path / "chain.yaml"
-    node = shlex.quote(str(_NODE))
+    python, node = shlex.quote(sys.executable), shlex.quote(str(_NODE))
     nodes = [
-        {"name": name, "exec": sys.executable, "args": f"{node} __name:={name} {words}"}
+        {"name": name, "exec": python, "args": f"{node} __name:={name} {words}"}
         for name, words in (("first", "out:=middle"), ("second", "in:=middle _gain:=1.0"))
     ]
     launch.write_text(json.dumps({"nodes": nodes}))

@@ -143,6 +143,7 @@ def test_a_service_is_called_from_another_process(start_python, bus_url, *, serv
     assert caller.lines == ["answer True done"]
 
 
+@pytest.mark.usefixtures("bus_url")  # it needs multicast, too
 def test_a_domain_is_a_bus_of_its_own(start_python):
     node = start_python(
         "import lcmtools; lcmtools.init(); print(lcmtools.Node('a').context.bus.url)",

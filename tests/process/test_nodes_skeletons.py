@@ -21,7 +21,12 @@ def test_skeleton_runs_as_it_is_and_does_nothing_wrong(name, cli, start, tmp_pat
     if name != "pioneer_manual_controller":  # which ends with its input
         wait_until(lambda: cli("node", "list").out == f"/{name}\n")
         program.send_signal(signal.SIGINT)
-    assert (program.wait(), program.output) == (0, "")
+    assert program.wait() == 0
+    # a viewer says so after a while, which a busy computer may need to see the node
+    assert program.output in (
+        "",
+        "no node publishes /camera/depth/image_raw; lcmtools list shows all",
+    )
 
 
 def test_skeleton_is_overwritten_only_by_force(cli, tmp_path):

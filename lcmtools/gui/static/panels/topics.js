@@ -1,7 +1,7 @@
 // The table of all topics, sorted and filtered, with the chosen topic's message or a form to publish.
 
 import { button, div, element, fill, iconButton, searchField, set, write } from "../elements.js";
-import { ageText, counted, lossText, rateText, sizeText } from "../texts.js";
+import { ageText, counted, jitterText, lossText, rateText, sizeText } from "../texts.js";
 import { MessageTree } from "./message.js";
 import { PublishForm } from "./publish.js";
 
@@ -126,7 +126,7 @@ export default class Topics {
       this.part.type.value = row.types[0]; // the form was opened before the topics were known
       this.part.loadType();
     }
-    const jitter = known(row, row.jitter, (seconds) => (seconds < 1 ? `${(seconds * 1000).toFixed(1)} ms` : ageText(seconds)));
+    const jitter = known(row, row.jitter, jitterText);
     const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";
     const lost = row.senders_lost ? `; ${counted(row.senders_lost, "message")} of its senders lost` : "";
     write(
