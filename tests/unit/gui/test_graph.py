@@ -68,7 +68,7 @@ def test_tools_are_drawn_where_they_are_wanted():
     assert len(_made(_diagram(tool), tools=True)["vertices"]) == 4
 
 
-@pytest.mark.parametrize("kind", ["newer", "older", "unreadable", "before"])
+@pytest.mark.parametrize("kind", ["newer", "older", "unreadable"])
 def test_a_node_of_another_version_is_drawn_with_its_topics(kind):
     builder, sender = GraphBuilder(), Sender("127.0.0.1", 4001)
     payload = encode_announcement(Announcement(NODE._replace(tool=False)))

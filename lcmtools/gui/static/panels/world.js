@@ -289,12 +289,13 @@ export default class World {
     });
     this.sidebar.setBodies(bodies);
     for (const [topic, display] of this.displays) {
-      const silence = this.topics.find((one) => one.topic === topic)?.silence ?? null;
+      const about = this.topics.find((one) => one.topic === topic);
+      const silence = about?.silence ?? null;
       const age = silence === null ? "" : `old: the last message came ${ageText(silence)} ago`;
       const fault = display.problem || display.lost || age;
       const text = fault || display.status;
       const isBad = Boolean(fault) || display.status.includes("not drawn");
-      if (text || this.isBad.has(topic)) this.sidebar.setStatus(topic, text || (KINDS[display.latest?.kind]?.name ?? ""), isBad);
+      if (text || this.isBad.has(topic)) this.sidebar.setStatus(topic, text || (KINDS[about?.kind ?? ""]?.name ?? ""), isBad);
       this.isBad[isBad ? "add" : "delete"](topic);
     }
     if (this.followChoice.options.length !== bodies.length + 1) this.offerFrames();
