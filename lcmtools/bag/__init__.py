@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lcmtools.bag.log import Log as Log
     from lcmtools.bag.log import open_log as open  # noqa: A004 - as in gzip
-    from lcmtools.bag.rerunning.rerun import Input as Input
     from lcmtools.bag.rerunning.rerun import rerun as rerun
     from lcmtools.bag.rerunning.rerun_report import Rerun as Rerun
+    from lcmtools.bag.rerunning.session import Input as Input
 
 __all__ = ["Input", "Log", "Rerun", "open", "rerun"]
 

@@ -21,15 +21,15 @@ tolerance: 1e-6         # of the numbers of all topics
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from lcmtools.bag.summary import LogSummary, TopicSummary
-from lcmtools.errors import InvalidFile, LcmtoolsError
+from lcmtools.errors import LcmtoolsError
 from lcmtools.folders import read_bytes
-from lcmtools.formats.strict_yaml import Node, read_file
-from lcmtools.names import Pattern, did_you_mean, is_hidden
+from lcmtools.formats.typed import Item, load
+from lcmtools.names import Pattern, is_hidden
 
 _LIMITS: Mapping[str, tuple[str, Callable[[TopicSummary], float]]] = {
     "rate": ("{:.2f} Hz", lambda topic: topic.rate or 0.0),
@@ -88,18 +88,13 @@ def read_contract(path: str | Path) -> Contract:
         LcmtoolsError: It cannot be read.
     """
     text = read_bytes(Path(path), kind=LcmtoolsError).decode("utf-8", "replace")
-    source = str(path)
-    keys = _mapping(read_file(text, source), source, _OF_LOG)
-    topics = keys.pop("topics", None)
-    others = keys.pop("others", None)
-    if others is not None and others.value not in ("true", "false"):
-        raise InvalidFile(f"{source}:{others.line}: others must be true or false")
-    found = {} if topics is None else _mapping(topics, source, None)
+    keys = load(text, str(path), "contract").fields(_OF_LOG)
+    topics, others = keys.pop("topics", None), keys.pop("others", None)
     return Contract(
-        source,
-        tuple(_terms(name, node, source) for name, node in found.items()),
-        others is None or others.value == "true",
-        {key: _number(key, node, source) for key, node in keys.items()},
+        str(path),
+        tuple(map(_terms, topics.mapping().values())) if topics else (),
+        others is None or others.flag(),
+        {key: _number(item) for key, item in keys.items()},
     )
 
 
@@ -149,42 +144,25 @@ def _outside(
             yield f"{what}{words[name].format(value)}, {side} {words[name].format(limit)} required"
 
 
-def _terms(name: str, node: Node, source: str) -> TopicTerms:
-    keys = {} if node.is_nothing else _mapping(node, source, _OF_TOPIC)
+def _terms(item: Item) -> TopicTerms:
+    keys = {} if item.node.is_nothing else item.fields(_OF_TOPIC)
     kind, match, parts = (keys.pop(key, None) for key in ("type", "match", "fields"))
-    if match and match.value not in _MATCHES:
-        raise InvalidFile(f"{source}:{match.line}: match must be {' or '.join(_MATCHES)}")
-    fields = {} if parts is None else _mapping(parts, source, None)
-    for part, one in fields.items():
-        if not _FIELD_TERM.fullmatch(str(one.value)):
+    if match and match.text() not in _MATCHES:
+        raise match.error(f"'match' must be {' or '.join(_MATCHES)}, not '{match.text()}'")
+    fields = parts.mapping() if parts else {}
+    for name, part in fields.items():
+        if not _FIELD_TERM.fullmatch(part.text()):
             hint = "write a number, a percentage such as 5%, angle or ignore"
-            raise InvalidFile(f"{source}:{one.line}: that is no tolerance for {part}", hint)
+            raise part.error(f"'{part.text()}' is no tolerance for {name}", hint)
     return TopicTerms(
-        name,
-        node.key_line,
-        str(kind.value) if kind else "",
-        {key: _number(key, one, source) for key, one in keys.items()},
-        str(match.value) if match else "",
-        {key: str(one.value) for key, one in fields.items()},
+        item.name,
+        item.node.key_line,
+        kind.text() if kind else "",
+        {key: _number(one) for key, one in keys.items()},
+        match.text() if match else "",
+        {name: part.text() for name, part in fields.items()},
     )
 
 
-def _mapping(node: Node | None, source: str, known: Collection[str] | None) -> dict[str, Node]:
-    if node is None or not isinstance(node.value, dict):
-        line = f":{node.line}" if node else ""
-        raise InvalidFile(f"{source}{line}: not a mapping", "write  topics:  and names below it")
-    for key, value in node.value.items():
-        if known is not None and key not in known:
-            hint = did_you_mean(key, known) or f"known are {', '.join(sorted(known))}"
-            raise InvalidFile(f"{source}:{value.key_line}: unknown key '{key}'", hint)
-    return dict(node.value)
-
-
-def _number(key: str, node: Node, source: str) -> float:
-    try:
-        found = float(str(node.value))
-    except ValueError:
-        found = math.nan
-    if not math.isfinite(found):
-        raise InvalidFile(f"{source}:{node.line}: {key} is not a number")
-    return found
+def _number(item: Item) -> float:
+    return item.number(-math.inf, math.inf)

@@ -1,9 +1,10 @@
-"""The interface of a bus for nodes."""
+"""The interface of a bus for nodes, and the threads of its implementations."""
 
 import contextlib
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Generic, TypeVar
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.bus.wakeup import WakeupEvent
@@ -13,7 +14,10 @@ LOCKSTEP = "LCMTOOLS_LOCKSTEP"
 """The environment variable of programs that a recording is played to in lock-step; its value is the
 time at the start [ns]."""
 
+MessageT = TypeVar("MessageT")
+
 _MOST_FAULTS = 20  # different ones that are reported
+_FLUSH_TIMEOUT = 0.5  # [s] that closing waits for queued messages
 
 Handler = Callable[[bytes, int], None]
 """Called with a payload and its time of arrival [ns since 1970]; must be quick, unless it is called
@@ -159,3 +163,61 @@ def outage_texts(url: BusUrl, *, is_lost: bool) -> tuple[str, str]:
         text = f"the connection to {url} is lost; it is tried again until it is back"
         return text, text
     return f"the connection to {url} is back", ""
+
+
+class SendingThread(ABC, Generic[MessageT]):
+    """A queue of messages, and the thread that sends them so that publishers need not wait.
+
+    It starts with the first one.
+
+    The methods to implement are called by that thread. The queue is used only with ``_changed``.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._changed = threading.Condition()
+        self._closed = False
+        self._thread: threading.Thread | None = None
+
+    @abstractmethod
+    def _next(self) -> MessageT | None:
+        """Return the message to send next, None if none waits; with ``_changed``."""
+
+    @abstractmethod
+    def _send_now(self, message: MessageT) -> None:
+        """Send a message; this may take long, and must not raise."""
+
+    @abstractmethod
+    def _note_sent(self, message: MessageT) -> None:
+        """Update the queue after a message was sent; with ``_changed``."""
+
+    def close(self) -> None:
+        """Send the waiting messages, for half a second at most."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join(_FLUSH_TIMEOUT)
+
+    def _start(self) -> None:
+        """Start the thread for the first message; with ``_changed``.
+
+        Raises:
+            BusError: The system gives no more threads.
+        """
+        if self._thread is None and not self._closed:
+            self._thread = start_thread(self._run, self._name)
+
+    def _run(self) -> None:
+        while (message := self._await_next()) is not None:
+            self._send_now(message)
+            with self._changed:
+                self._note_sent(message)
+                self._changed.notify_all()
+
+    def _await_next(self) -> MessageT | None:
+        """Return the message to send next; None if it is closed and all were sent."""
+        with self._changed:
+            while (message := self._next()) is None and not self._closed:
+                self._changed.wait()
+            return message

@@ -143,8 +143,9 @@ class Connection:
             timeout = left if timeout is None else min(left, timeout)
         try:
             own = [] if instance is None else [instance.fileno()]
-            waits = [*own, *also, *network_watch.descriptors]
-            readable = select.select(waits, [], [], network_watch.longest_wait(timeout))[0]
+            network = network_watch.descriptors if self._member else ()
+            longest = network_watch.longest_wait(timeout) if self._member else timeout
+            readable = select.select([*own, *also, *network], [], [], longest)[0]
             network_watch.look()
             works = self._broken is None or self._broken is not instance
             if own and own[0] in readable:

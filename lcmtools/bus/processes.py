@@ -123,6 +123,23 @@ def owners(inodes: Iterable[int]) -> dict[int, Process]:
     return found
 
 
+def tcp_holders(port: int, server: int) -> set[int]:
+    """Return the pids that hold the connection from one port of the loopback to another.
+
+    Empty if unknown.
+    """
+    ends = f" 0100007F:{port:04X} 0100007F:{server:04X} "
+    with contextlib.suppress(OSError):
+        rows = [row for row in (_PROC / "net/tcp").read_text().splitlines() if ends in row]
+        return {process.pid for process in owners(int(row.split()[9]) for row in rows).values()}
+    return set()
+
+
+def was_told(pid: int, text: str) -> bool:
+    """Return whether a text is in the environment or the command line of a process."""
+    return any(text in _text(pid, name) for name in ("environ", "cmdline"))
+
+
 def process_of(pid: int) -> Process | None:
     """Return the process with this pid; None if there is none (a zombie has ended).
 

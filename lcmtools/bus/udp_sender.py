@@ -15,10 +15,9 @@ import time
 from collections import Counter, deque
 from collections.abc import Sequence
 
-from lcmtools.bus.base import Shortcut
+from lcmtools.bus.base import SendingThread, Shortcut
 from lcmtools.bus.kernel import cuts_datagrams, send_cut
 from lcmtools.bus.multicast import send_to_group, sending_socket
-from lcmtools.bus.sending_thread import SendingThread
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire.datagram import (

@@ -26,14 +26,13 @@ from lcmtools.cli.wtf_options import (
     rule_option,
 )
 from lcmtools.color import stream_wants_color
-from lcmtools.doctor import report, saved
+from lcmtools.doctor import report
 from lcmtools.doctor.collect import USUAL
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
 from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
 from lcmtools.folders import is_standard_output
-from lcmtools.formats.strict_json import write_json
 
 _FILE = click.Path(dir_okay=False, readable=False, path_type=Path)
 
@@ -92,9 +91,11 @@ def command(
         every = USUAL if wait is None else wait
         look = partial(look_once, every, as_json=as_json, at_least=every, memory=Memory())
         _watch(look, rules, as_json=as_json)
-    evidence = saved.load(load_from) if load_from else look_once(wait, as_json=as_json)
+    evidence = _loaded(load_from) if load_from else look_once(wait, as_json=as_json)
     if save_to:
-        saved.save(evidence, save_to)
+        from lcmtools.doctor.saved import save
+
+        save(evidence, save_to)
         if not is_standard_output(save_to):
             write_note(f"the evidence is in {save_to}")
     findings = examine(evidence, rules)
@@ -105,7 +106,15 @@ def command(
     return max((finding.severity for finding in findings), default=Severity.NOTE).value
 
 
+def _loaded(file: Path) -> Evidence:
+    from lcmtools.doctor.saved import load
+
+    return load(file)
+
+
 def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool) -> None:
+    from lcmtools.formats.strict_json import write_json
+
     end_with_reader()
     for number, changes in enumerate(report.watch(look, rules)):
         if not (number or changes or as_json):

@@ -32,7 +32,6 @@ from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 from lcmtools.observe.reports.describe import seen_kinds
 from lcmtools.observe.simulators import is_simulator
-from lcmtools.packages.runnable_nodes import fixed_nodes
 
 CONNECTIONS = {
     **REMAPS,
@@ -167,6 +166,8 @@ class _Candidate:
 
     def is_of_own_code(self) -> bool:
         """Return whether somebody edits the subscriber's code, and may name a plain channel."""
+        from lcmtools.packages.runnable_nodes import fixed_nodes  # seldom needed
+
         words = program_words(self.node.command)
         is_fixed = words[:2] == ["lcmtools", "run"] and not fixed_nodes().isdisjoint(words[2:])
         return not (self.for_simulator or is_fixed)

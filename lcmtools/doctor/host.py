@@ -16,15 +16,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lcmtools.bus.network_watch import route_interface
 from lcmtools.bus.processes import network_counter, sockets_are_known
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.evidence import Host
-from lcmtools.doctor.firewall import Traffic, refusing_chain
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
+
+if TYPE_CHECKING:
+    from lcmtools.doctor.firewall import Traffic
 
 _PROC, _NET = Path("/proc"), Path("/sys/class/net")
 _UP, _RUNNING, _MULTICAST = 0x1, 0x40, 0x1000  # linux/if.h
@@ -65,6 +67,8 @@ def _network(url: BusUrl, interface: str) -> dict[str, Any]:
     """Return the state that affects messages to other computers, and the self test's result."""
     known: dict[str, Any] = {"large_bytes": LARGE_BYTES, "large_problem": large_problem(url)}
     if url.ttl:
+        from lcmtools.doctor.firewall import Traffic  # a local bus needs no rules
+
         folder = _NET / interface
         known["firewall"], known["firewall_chain"], known["firewall_unknown"] = firewall(
             Traffic(url.host, url.port, interface)
@@ -179,11 +183,13 @@ def _found_twice(environment: Mapping[str, str]) -> Iterable[str]:
             yield f"Python finds {name} in {' and in '.join(places)}; the first counts"
 
 
-def firewall(traffic: Traffic) -> tuple[str, str, str]:
+def firewall(traffic: "Traffic") -> tuple[str, str, str]:
     """Return a firewall that may drop a bus's datagrams, its chain, and why that is unknown.
 
     All are empty if there is none. The chain is known if the rules were readable.
     """
+    from lcmtools.doctor.firewall import refusing_chain
+
     if "ENABLED=yes" in text_of(_UFW):
         return "ufw", "", ""
     if _FIREWALLD.exists():

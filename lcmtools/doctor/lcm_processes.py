@@ -15,7 +15,6 @@ from pathlib import Path
 
 from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
 from lcmtools.bus.processes import Process, UdpSocket, process_of, shows_own_pids, uses_lcm
-from lcmtools.bus.quick_probe import QuickProbe
 from lcmtools.bus.records import recorded_pids
 from lcmtools.bus.url import BusUrl, choose_url, parse_url
 from lcmtools.doctor.connecting import unconnected_ends
@@ -195,6 +194,8 @@ def _topics(
 
     Plain LCM programs may publish a missing topic rarely: they get more time.
     """
+    from lcmtools.bus.quick_probe import QuickProbe
+
     pids = {process.pid for process in processes}
     topics: dict[str, set[str]] = defaultdict(set)
     awaited: dict[int, set[str]] = defaultdict(set)

@@ -16,13 +16,10 @@ from typing import TYPE_CHECKING, cast
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
-from lcmtools.doctor.content import oddities
 from lcmtools.doctor.evidence import FrameParent, LogLine, Oddity, RelayEnd, Stream
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.protocol import RELAY_CHANNEL
-from lcmtools.graph.relay_report import Link, State, decode_report
 from lcmtools.messages.codec import decode
-from lcmtools.messages.foreign import foreign_format
 from lcmtools.messages.message_time import UNITS, MessageTime, message_time
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
@@ -30,7 +27,8 @@ from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
-if TYPE_CHECKING:  # the import is slow, and most looks do not need it
+if TYPE_CHECKING:  # these imports are slow, and most looks do not need them
+    from lcmtools.graph.relay_report import Link
     from lcmtools.types.tf2_msgs import TFMessage
 
 _LOG = "/rosout"
@@ -244,6 +242,8 @@ class Listening:
             stream.numbered[packet.seqno] = message
 
     def _inspect_unknown(self, packet: Packet, stream: _Stream) -> None:
+        from lcmtools.messages.foreign import foreign_format
+
         is_whole = packet.whole_bytes is None
         if not packet.payload or stream.format:
             return
@@ -252,6 +252,8 @@ class Listening:
     def _inspect(self, packet: Packet, key: _Key, cls: type[Message]) -> None:
         if packet.whole_bytes is not None or packet.size > _LARGEST:
             return
+        from lcmtools.doctor.content import oddities
+
         try:
             message = decode(cls, packet.payload)
         except DecodeError as error:
@@ -342,10 +344,12 @@ class RelayReports:
     """The first and the last report of each relay during a look."""
 
     def __init__(self) -> None:
-        self._found = BoundedDict[str, tuple[Link, Link]](_MOST_RELAYS)
+        self._found: BoundedDict[str, tuple[Link, Link]] = BoundedDict(_MOST_RELAYS)
 
     def add_report(self, payload: bytes) -> None:
         """Add a report, which includes other relays."""
+        from lcmtools.graph.relay_report import decode_report
+
         report = decode_report(payload)
         for link in report.links if report else ():
             first, last = self._found.get(link.id, (link, link))
@@ -357,7 +361,7 @@ class RelayReports:
         for first, last in self._found.values():
             for was, end in zip(first.ends, last.ends, strict=True):
                 known = last.name, last.host, end.bus, end.trouble, end.dropped - was.dropped
-                if last.state != State.LEFT:
-                    stands_by = last.state == State.STANDBY
+                if last.state.name != "LEFT":
+                    stands_by = last.state.name == "STANDBY"
                     found.append(RelayEnd(*known, end.commands, stands_by, last.id))
         return tuple(found)

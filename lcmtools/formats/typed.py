@@ -127,7 +127,12 @@ class Item:
                 raise key.error(f"unknown key '{name}' in '{self.name}'", _key_hint(name, allowed))
         for name in required:
             self.field(name)
-        return {name: replace(self, name=name, node=node) for name, node in mapping.items()}
+        return self.mapping()
+
+    def mapping(self) -> dict[str, "Self"]:
+        """Return the values of a mapping with any keys."""
+        found = self._mapping().items()
+        return {name: replace(self, name=name, node=node) for name, node in found}
 
     def field(self, name: str) -> "Self":
         """Return one value of a mapping; the others are not checked."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from itertools import islice
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
+from lcmtools.gui.protocol import Json, MalformedRequest
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.image import TYPES
 from lcmtools.gui.streams.steer import is_velocity
@@ -23,17 +23,16 @@ _KINDS: dict[str, Callable[[str], bool]] = {
 }
 
 
-def topics(source: Source, parameters: Parameters) -> Json:
+def topics(source: Source, *, kind: str) -> Json:
     """Return the topics for a kind of messages, each with its type."""
-    kind = parameters.text("kind")
     if kind not in _KINDS:
         raise MalformedRequest(f"there is no kind of topics '{kind[:40]}'")
     return [_choice(row) for row in source.latest.rows if any(map(_KINDS[kind], row.types[:1]))]
 
 
-def numbers(source: Source, parameters: Parameters) -> Json:
+def numbers(source: Source, *, text: str = "") -> Json:
     """Return the topics; if ``text`` begins with one, its fields with numbers."""
-    text, rows = parameters.text("text", ""), source.latest.rows
+    rows = source.latest.rows
     begun = [row for row in rows if row.types and text.startswith(tuple(_begun(row)))]
     if not begun:
         return [_choice(row) for row in rows]

@@ -7,7 +7,6 @@ Poses are lists of seven numbers: position [m] and quaternion (x, y, z, w). Pure
 times come in as arguments.
 """
 
-import math
 import sys
 from array import array
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,19 +16,15 @@ from typing import NamedTuple, cast
 
 from lcmtools.clock import NANOSECONDS
 from lcmtools.errors import LcmtoolsError
+from lcmtools.gui.frames import FrameStore, is_finite, pose_of
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.streams.base import Update
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.observe.channels.activity import SILENT_AFTER
 from lcmtools.types.geometry_msgs import (
-    Point,
     Pose,
     PoseArray,
     PoseStamped,
     PoseWithCovarianceStamped,
-    Quaternion,
-    TransformStamped,
-    Vector3,
 )
 from lcmtools.types.nav_msgs import OccupancyGrid, Odometry, Path
 from lcmtools.types.sensor_msgs import LaserScan, PointCloud, PointCloud2
@@ -37,8 +32,6 @@ from lcmtools.types.std_msgs import ColorRGBA
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 
-_LARGEST = 1e30  # a number beyond this is no place, and no float32
-_SILENT_GAPS = 3  # times without a message are silence, if longer than SILENT_AFTER
 _FIELD_BYTES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 8: 8}  # by PointField's datatype
 
 
@@ -61,76 +54,13 @@ class WorldDrawing(NamedTuple):
     convert: Callable[[Message], Update]  # returns what the page's drawing of this kind reads
 
 
-class Heard:
-    """The times at which something came [ns]; old if it came repeatedly, and no longer does."""
-
-    def __init__(self, time: int) -> None:
-        self.time = time
-        self._count, self._gap = 1, 0
-
-    def again(self, time: int) -> None:
-        """Take the next time."""
-        self._gap, self.time = time - self.time, time
-        self._count += 1
-
-    def is_old(self, now: int, *, is_once: bool = False) -> bool:
-        """Return whether it should have come again by a time [ns]; ``is_once`` if it came once."""
-        if self._count == 1:
-            return is_once
-        return now - self.time > max(SILENT_AFTER, _SILENT_GAPS * self._gap)
-
-
-class Poses:
-    """Frames, each with its parent and its latest pose in it."""
-
-    def __init__(self) -> None:
-        self._stamp, self._time = 0.0, 0
-        self._frames: dict[str, tuple[str, list[float]]] = {}
-        self.heard: dict[str, Heard] = {}
-
-    def add(self, message: TFMessage, time: int) -> str:
-        """Add the frames of a message [ns]; return which are ignored and why, else ""."""
-        self._time = time
-        ignored = ""
-        for one in message.transforms:
-            if fault := transform_fault(one):
-                ignored = fault
-                continue
-            stamp = one.header.stamp
-            self._stamp = stamp.sec + stamp.nsec / NANOSECONDS
-            place, turn = one.transform.translation, one.transform.rotation
-            child = one.child_frame_id
-            self._frames[child] = (one.header.frame_id, _pose(place, turn))
-            if child in self.heard:
-                self.heard[child].again(time)
-            else:
-                self.heard[child] = Heard(time)
-        return ignored
-
-    def forget(self, names: Iterable[str]) -> None:
-        """Remove frames."""
-        for name in names:
-            del self._frames[name], self.heard[name]
-
-    def drawing(self, old: Sequence[str]) -> Update:
-        """Return all frames: pairs of names, which are old, and the poses as float32."""
-        names: list[Json] = [[parent, child] for child, (parent, _) in self._frames.items()]
-        numbers = (number for _, pose in self._frames.values() for number in pose)
-        about: dict[str, Json] = {"kind": "frames", "time": self._time / 1e9, "stamp": self._stamp}
-        return Update({**about, "frames": names, "old": old}, floats(numbers))
-
-
-def transform_fault(one: TransformStamped) -> str:
-    """Return which transform is ignored and why; "" if it is used."""
-    parent, child = one.header.frame_id, one.child_frame_id
-    reason = ""
-    if not (parent and child):
-        reason = "it has an empty name"
-    elif parent == child:
-        reason = "it is its own parent"
-    elif not _is_finite(_pose(one.transform.translation, one.transform.rotation)):
-        reason = "its place is not finite"
-    return reason and f"the frame '{child}' in '{parent}' is ignored: {reason}"
+def frames_drawing(store: FrameStore, old: Sequence[str]) -> Update:
+    """Return all frames: pairs of names, which are old, and the poses as float32."""
+    found = list(store.latest())
+    names: list[Json] = [[parent, child] for child, parent, _ in found]
+    numbers = (number for _, _, link in found for number in link.pose)
+    about: dict[str, Json] = {"kind": "frames", "time": store.time / 1e9, "stamp": store.stamp}
+    return Update({**about, "frames": names, "old": old}, floats(numbers))
 
 
 class MarkerScene:
@@ -180,31 +110,16 @@ def floats(numbers: Iterable[float]) -> bytes:
     return found.tobytes()
 
 
-def _is_finite(numbers: Iterable[float]) -> bool:
-    return all(abs(number) < _LARGEST for number in numbers)
-
-
 def _finite(frame: str, places: Iterable[Sequence[float]]) -> Update:
     """Return the numbers of finite places as float32, and how many places are not finite."""
     found = list(places)
-    finite = list(filter(_is_finite, found))
+    finite = list(filter(is_finite, found))
     about: dict[str, Json] = {"frame": frame, "odd": len(found) - len(finite)}
     return Update(about, floats(chain.from_iterable(finite)))
 
 
-def _pose(place: Point | Vector3, turn: Quaternion) -> list[float]:
-    """Return a pose with a rotation of length 1; like rviz, read an all-zero one as none."""
-    rotation = [turn.x, turn.y, turn.z, turn.w]
-    length = math.hypot(*rotation)
-    if length == 0:
-        rotation[3] = 1.0
-    elif length < math.inf:
-        rotation = [number / length for number in rotation]
-    return [place.x, place.y, place.z, *rotation]
-
-
 def _of(pose: Pose) -> list[float]:
-    return _pose(pose.position, pose.orientation)
+    return pose_of(pose.position, pose.orientation)
 
 
 def _marker(marker: Marker) -> Mapping[str, Json]:

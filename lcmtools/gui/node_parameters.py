@@ -2,7 +2,7 @@
 
 from typing import cast
 
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, publishers_of
 from lcmtools.node.parameters import service_name
 from lcmtools.observe.reading.find import find_node
@@ -13,18 +13,18 @@ from lcmtools.types import lcmtools_msgs as msgs
 _TIMEOUT = 3.0  # [s]
 
 
-def read(source: Source, parameters: Parameters) -> Json:
+def read(source: Source, *, node: str) -> Json:
     """Return the parameters of ``node``, with values as YAML; see ``exchange_parameters``."""
-    return _exchange(source, parameters, {})
+    return _exchange(source, node, {})
 
 
-def change(source: Source, parameters: Parameters) -> Json:
+def change(source: Source, *, node: str, name: str, value: str) -> Json:
     """Set a parameter by ``name`` to ``value`` (YAML); return all of the node's parameters."""
-    return _exchange(source, parameters, {parameters.text("name"): parameters.text("value")})
+    return _exchange(source, node, {name: value})
 
 
-def _exchange(source: Source, parameters: Parameters, texts: dict[str, str]) -> Json:
-    node = require_parameters(find_node(source.latest.graph, parameters.text("node"))).name
+def _exchange(source: Source, text: str, texts: dict[str, str]) -> Json:
+    node = require_parameters(find_node(source.latest.graph, text)).name
     client = publishers_of(source).client(msgs.Parameters, service_name(node))
     found = exchange_parameters(client, node, _TIMEOUT, texts)
     return cast("Json", [{**record(node, one), "value": one.value} for one in found.values()])

@@ -10,7 +10,6 @@ import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager, nullcontext
-from functools import partial
 
 from websockets.asyncio.server import ServerConnection
 
@@ -106,17 +105,18 @@ class BrowserPage:
         self._has_gone.set()
 
     def _open_stream(self, request: PageRequest) -> None:
-        number, name = request.id, request.text("stream")
+        number, name = request.id, request.stream
         if stream_class(name).commands and (refusal := self._refusal(COMMAND)):
             self._send({"id": number, "problem": refusal})
             return
-        parameters, is_paced = request.without("op", "id", "stream", "paced"), request.flag("paced")
         if number not in self._open and len(self._open) >= _MOST_STREAMS:
             problem = "too much is shown on this page; close or hide some of it"
             self._send({"id": number, "problem": problem})
             return
         try:
-            opened = _Subscription(number, self._streams.open(name, parameters), is_paced=is_paced)
+            opened = _Subscription(
+                number, self._streams.open(name, request.values), is_paced=request.paced
+            )
         except LcmtoolsError as error:  # for example a mistyped value
             self._close_stream(request)
             self._send({"id": number, "problem": str(error)})
@@ -149,15 +149,17 @@ class BrowserPage:
             self._send({"id": request.id, "data": {"refused": refusal}})
 
     def _answer(self, request: PageRequest) -> None:
-        number, name, is_action = request.id, request.text("what"), request.op == "do"
+        number, name, is_action = request.id, request.what, request.op == "do"
         function = answer(name, ACTIONS if is_action else ASKS)
         needed = PLAY if self._source.kind == "log" else COMMAND
         if is_action and (refusal := self._refusal(needed)):
             self._send({"id": number, "error": {"what": refusal, "hint": ""}})
             return
-        parameters = request.without("op", "id", "what")
         turn = self._turns[name] if is_action else nullcontext()
-        work = partial(function, self._source, parameters)
+
+        def work() -> Json:
+            return function(self._source, **request.arguments(function))
+
         task = asyncio.ensure_future(self._reply(number, work, turn))
         self._tasks.add(task)  # it raises nothing
         task.add_done_callback(self._end)

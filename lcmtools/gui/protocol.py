@@ -21,23 +21,28 @@ Sans-I/O. Must not know the content of streams.
 """
 
 import json
-import math
 import struct
-import sys
-from collections.abc import Mapping, Sequence
-from typing import TypeAlias, cast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.formats.strict_json import write_json
+from lcmtools.formats.typed import Item, Within, arguments, read
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Json: TypeAlias = "bool | int | float | str | Sequence[Json] | Mapping[str, Json] | None"
 Frame: TypeAlias = str | bytes
+Number = TypeVar("Number", int, float)
+T = TypeVar("T")
 
 SUBPROTOCOL = "lcmtools.1"
 LONGEST_REQUEST = 1 << 20  # bytes of a text that a page may send, such as a form with long arrays
 _LONGEST_TEXT = 1000  # characters of a name
 _MOST_TEXTS = 1000  # names in a list
-_LARGEST_ID = 1 << 31
+_HEAD = ("op", "id", "sent", "stream", "what", "paced")
 _ALIGNMENT = 8
 
 
@@ -45,87 +50,84 @@ class MalformedRequest(LcmtoolsError):  # noqa: N818 - named for what happened, 
     """A page has sent data that no page of this server would."""
 
 
-class Parameters:
-    """The values of a request; every method raises MalformedRequest for an unexpected one."""
+@dataclass(frozen=True, slots=True)
+class JsonItem(Item):
+    """A value of a request; ``node`` is the value itself. Readers raise MalformedRequest.
 
-    def __init__(self, values: Mapping[str, Json]) -> None:
-        self._values = values
-
-    @property
-    def key(self) -> str:
-        """A text that is the same for equal parameters."""
-        return json.dumps(self._values, sort_keys=True)
-
-    def text(self, name: str, default: str | None = None) -> str:
-        """Return a name or another short text."""
-        value = self._get(name, default)
-        if not isinstance(value, str) or len(value) > _LONGEST_TEXT:
-            raise MalformedRequest(f"'{name}' is not a short text")
-        return value
-
-    def texts(self, name: str) -> tuple[str, ...]:
-        """Return a list of short texts; empty if there is none."""
-        value = self._get(name, [])
-        if not isinstance(value, list) or len(value) > _MOST_TEXTS:
-            raise MalformedRequest(f"'{name}' is not a short list")
-        return tuple(Parameters({name: one}).text(name) for one in value)
-
-    def number(
-        self,
-        name: str,
-        default: float | None = None,
-        lowest: float = -math.inf,
-        highest: float = math.inf,
-    ) -> float:
-        """Return a finite number within bounds."""
-        value = self._get(name, default)
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise MalformedRequest(f"'{name}' is not a number")
-        if not (abs(value) <= sys.float_info.max and lowest <= value <= highest):
-            raise MalformedRequest(f"'{name}' is not within {lowest:g} to {highest:g}")
-        return float(value)
-
-    def flag(self, name: str, *, default: bool = False) -> bool:
-        """Return true or false."""
-        value = self._get(name, default)
-        if not isinstance(value, bool):
-            raise MalformedRequest(f"'{name}' is neither true nor false")
-        return value
-
-    def value(self, name: str) -> Json:
-        """Return a value of any kind; None if there is none."""
-        return self._values.get(name)
-
-    def without(self, *names: str) -> "Parameters":
-        """Return the other values."""
-        return Parameters({name: v for name, v in self._values.items() if name not in names})
-
-    def with_text(self, name: str, text: str) -> "Parameters":
-        """Return all values, with another text."""
-        return Parameters({**self._values, name: text})
-
-    def _get(self, name: str, default: Json) -> Json:
-        value = self._values.get(name, default)
-        if value is None:
-            raise MalformedRequest(f"'{name}' is missing")
-        return value
-
-
-class PageRequest(Parameters):
-    """One request of a page, with its operation, its number, and the time when it was sent.
-
-    ``sent`` is by the page's own clock [s]; None if it does not say it.
+    A key with null is as if it were not there.
     """
 
-    def __init__(self, values: Mapping[str, Json]) -> None:
-        super().__init__({name: value for name, value in values.items() if name != "sent"})
-        self.op = self.text("op")
-        self.sent = Parameters(values).number("sent") if "sent" in values else None
+    name: str = "request"
+    source: str = ""
+    node: Json = None
 
     @property
-    def id(self) -> int:
-        """The number that the page has assigned to it."""
-        return int(self.number("id", None, 0, _LARGEST_ID))
+    def content(self) -> object:
+        """The value."""
+        return self.node
+
+    def error(self, reason: str, hint: str = "") -> LcmtoolsError:
+        """Return the error for this value, to be raised by the caller."""
+        return MalformedRequest(reason[:_LONGEST_TEXT], hint[:_LONGEST_TEXT])
+
+    def text(self) -> str:
+        """Return a name or another short text."""
+        if not isinstance(self.node, str) or len(self.node) > _LONGEST_TEXT:
+            raise self.error(f"'{self.name}' is not a short text")
+        return self.node
+
+    def flag(self) -> bool:
+        """Return true or false."""
+        if not isinstance(self.node, bool):
+            raise self.error(f"'{self.name}' is neither true nor false")
+        return self.node
+
+    def parsed(self, parse: Callable[[str], Number], kind: str) -> Number:
+        """Return a number."""
+        if isinstance(self.node, bool) or not isinstance(self.node, (int, float)):
+            raise self.error(f"'{self.name}' must be {kind}")
+        return super(JsonItem, replace(self, node=str(self.node))).parsed(parse, kind)
+
+    def items(self, *lengths: int) -> list["Self"]:
+        """Return the elements of a short list."""
+        found = super(JsonItem, self).items(*lengths)
+        if len(found) > _MOST_TEXTS:
+            raise self.error(f"'{self.name}' is not a short list")
+        return found
+
+    def _mapping(self) -> dict[str, object]:
+        found = super(JsonItem, self)._mapping()
+        return {name: value for name, value in found.items() if value is not None}
+
+    def _key(self, written: str, _: object) -> "Self":
+        return replace(self, name="key", node=written)
+
+
+@dataclass(frozen=True, slots=True)
+class PageRequest:
+    """One request of a page; which of the names it has depends on its operation."""
+
+    op: str
+    id: Annotated[int, Within(0, 1 << 31)]  # the number that the page has assigned to it
+    sent: float | None = None  # by the page's own clock [s]
+    stream: str = ""  # that is opened
+    what: str = ""  # is asked or done
+    paced: bool = False
+    values: Mapping[str, Json] = field(default_factory=dict)  # all others
+
+    def read(self, make: Callable[..., T]) -> T:
+        """Return a dataclass or a function's result with the values; see ``arguments``."""
+        return make(**self.arguments(make))
+
+    def arguments(self, make: Callable[..., object]) -> dict[str, Any]:
+        """Return the values as arguments of a function; MalformedRequest for unexpected ones."""
+        return json_arguments(make, self.values)
+
+
+def json_arguments(make: Callable[..., object], values: Mapping[str, Json]) -> dict[str, Any]:
+    """Return values as keyword arguments of a function; MalformedRequest for unexpected ones."""
+    (found,) = arguments(JsonItem(node=values), make)
+    return found
 
 
 def read_request(data: str | bytes) -> PageRequest:
@@ -138,7 +140,8 @@ def read_request(data: str | bytes) -> PageRequest:
         raise MalformedRequest("it sent what is not JSON") from None
     if not isinstance(values, dict):
         raise MalformedRequest("it sent JSON that is not an object")
-    return PageRequest(cast("dict[str, Json]", values))
+    head = {name: values.pop(name) for name in _HEAD if name in values}
+    return replace(read(PageRequest, JsonItem(node=head)), values=values)
 
 
 def _refuse(constant: str) -> None:

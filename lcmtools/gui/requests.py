@@ -8,11 +8,13 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TypeAlias
 
-from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
-from lcmtools.gui.source import Source
+from lcmtools.gui.protocol import Json, MalformedRequest
 
-Answer: TypeAlias = Callable[[Source, Parameters], Json]
-"""Returns the answer; an LcmtoolsError is shown to the user."""
+Answer: TypeAlias = Callable[..., Json]
+"""Returns the answer to a source and the request's values as keyword arguments.
+
+An LcmtoolsError is shown to the user.
+"""
 
 ASKS = {
     "color maps": "streams.image:color_maps",

@@ -1,9 +1,11 @@
 """Service calls of pages; answers are kept, so that pages can unfold them."""
 
 import time
+from typing import Annotated
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.formats.typed import Within
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, publishers_of
 from lcmtools.gui.type_forms import filled_in
 from lcmtools.messages.registry import Message, type_name
@@ -14,7 +16,14 @@ _LONGEST_REASON = 500  # characters
 _SHORTEST, _LONGEST = 0.01, 30.0  # [s] to wait for an answer
 
 
-def call(source: Source, parameters: Parameters) -> Json:
+def call(
+    source: Source,
+    *,
+    service: str,
+    type: str,  # noqa: A002 - the key of a request
+    values: Json,
+    deadline: Annotated[float, Within(_SHORTEST, _LONGEST)] = 3.0,
+) -> Json:
     """Call ``service`` with a form's request; return the number of the kept answer.
 
     The answer is waited for during ``deadline`` [s].
@@ -27,13 +36,12 @@ def call(source: Source, parameters: Parameters) -> Json:
         ServiceError: It reports a failure.
     """
     publishers = publishers_of(source)
-    service = find_service(source.latest.graph, parameters.text("service"))
-    deadline = parameters.number("deadline", 3.0, _SHORTEST, _LONGEST)
-    kind, request = service.type_class(), filled_in(parameters)
+    found = find_service(source.latest.graph, service)
+    kind, request = found.type_class(), filled_in(type, values)
     if not isinstance(request.message, kind.Request):
         expected = type_name(kind.Request)
-        raise LcmtoolsError(f"{service.name} now expects {expected}", "choose it again")
-    client: Client[Message, Message] = publishers.client(kind, service.name)  # type: ignore[arg-type] # known by its name only
+        raise LcmtoolsError(f"{found.name} now expects {expected}", "choose it again")
+    client: Client[Message, Message] = publishers.client(kind, found.name)  # type: ignore[arg-type] # known by its name only
     start = time.monotonic()
     response = client.call(request.at(time.time_ns()), deadline)
     return {

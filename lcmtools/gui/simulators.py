@@ -1,12 +1,13 @@
 """A page's requests to simulators, through their services, and poses that it sends."""
 
 import math
-from typing import Protocol, TypeVar
+from typing import Annotated, Protocol, TypeAlias, TypeVar
 
 from lcmtools.errors import LcmtoolsError
+from lcmtools.formats.typed import Within
 from lcmtools.gui.page_publisher import Publishers, RequestT
-from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
-from lcmtools.gui.source import Source, publishers_of
+from lcmtools.gui.protocol import Json, MalformedRequest
+from lcmtools.gui.source import Source, publishers_of, topic_to_publish
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import resolve
@@ -18,6 +19,8 @@ from lcmtools.types.std_srvs import Trigger
 _TIMEOUT = 5.0  # [s]
 _FARTHEST = 1e5  # [m]
 _MOST_STEPS = 10_000
+_Place: TypeAlias = Annotated[float, Within(-_FARTHEST, _FARTHEST)]
+_Part: TypeAlias = Annotated[float, Within(-1, 1)]  # of a quaternion
 
 
 class _Outcome(Message, Protocol):
@@ -30,44 +33,65 @@ class _Outcome(Message, Protocol):
 OutcomeT = TypeVar("OutcomeT", bound=_Outcome)
 
 
-def simulate(source: Source, parameters: Parameters) -> Json:
+def simulate(  # noqa: PLR0913 - the keys of a request
+    source: Source,
+    *,
+    node: str,
+    verb: str,
+    name: str = "",
+    steps: Annotated[int, Within(1, _MOST_STEPS)] = 1,
+    rate: Annotated[float, Within(0)] = 1.0,
+    x: _Place = 0.0,
+    y: _Place = 0.0,
+    z: _Place = 0.0,
+    qz: _Part = 0.0,
+    qw: _Part = 1.0,
+) -> Json:
     """Call ``verb`` of the simulator ``node``; return its answer.
 
     Raises:
         LcmtoolsError: The simulator refused; the error has its reason.
         ServiceTimeout: It did not answer.
     """
-    verb = parameters.text("verb")
-    name = resolve(f"{parameters.text('node')}/{verb}")
+    service = resolve(f"{node}/{verb}")
     publishers = publishers_of(source)
     if verb in ("pause", "resume", "reset"):
-        return _call(publishers, Trigger, name, Trigger.Request())
+        return _call(publishers, Trigger, service, Trigger.Request())
     if verb == "step":
         step = Step.Request()
-        step.steps = round(parameters.number("steps", 1, 1, _MOST_STEPS))
-        return _call(publishers, Step, name, step)
+        step.steps = steps
+        return _call(publishers, Step, service, step)
     if verb == "set_rate":
-        rate = SetRate.Request()
-        rate.rate = parameters.number("rate", 1.0, 0.0)
-        return _call(publishers, SetRate, name, rate)
+        faster = SetRate.Request()
+        faster.rate = rate
+        return _call(publishers, SetRate, service, faster)
     if verb == "set_pose":
         pose = SetPose.Request()
-        pose.robot, pose.pose = parameters.text("name"), _pose(parameters)
-        return _call(publishers, SetPose, name, pose)
+        pose.robot, pose.pose = name, _pose(x, y, z, qz, qw)
+        return _call(publishers, SetPose, service, pose)
     raise MalformedRequest(f"no simulator has a service '{verb[:40]}'")
 
 
-def send_pose(source: Source, parameters: Parameters) -> Json:
+def send_pose(  # noqa: PLR0913 - the keys of a request
+    source: Source,
+    *,
+    topic: str,
+    frame: str,
+    x: _Place = 0.0,
+    y: _Place = 0.0,
+    qz: _Part = 0.0,
+    qw: _Part = 1.0,
+) -> Json:
     """Publish a pose in a ``frame`` on ``topic``, like rviz for a goal or an initial pose.
 
     The latter is a topic of PoseWithCovarianceStamped.
     """
-    topic, frame = resolve(parameters.text("topic")), parameters.text("frame")
+    topic, pose = topic_to_publish(source, topic), _pose(x, y, 0.0, qz, qw)
     message: PoseStamped | PoseWithCovarianceStamped = PoseStamped()
     if source.latest.row(topic).types[:1] == (type_name(PoseWithCovarianceStamped),):
-        message = _uncertain(_pose(parameters))
+        message = _uncertain(pose)
     else:
-        message.pose = _pose(parameters)
+        message.pose = pose
     message.header.frame_id = frame
     publishers_of(source).publish(topic, type(message), encode(message))
     return {"topic": topic}
@@ -93,12 +117,8 @@ def _uncertain(pose: Pose) -> PoseWithCovarianceStamped:
     return message
 
 
-def _pose(parameters: Parameters) -> Pose:
-    """Return the pose in ``x``, ``y`` [m] and the quaternion's ``qz`` and ``qw``."""
+def _pose(x: float, y: float, z: float, qz: float, qw: float) -> Pose:
     pose = Pose()
-    pose.position.x, pose.position.y, pose.position.z = (
-        parameters.number(name, 0.0, -_FARTHEST, _FARTHEST) for name in "xyz"
-    )
-    pose.orientation.z = parameters.number("qz", 0.0, -1, 1)
-    pose.orientation.w = parameters.number("qw", 1.0, -1, 1)
+    pose.position.x, pose.position.y, pose.position.z = x, y, z
+    pose.orientation.z, pose.orientation.w = qz, qw
     return pose

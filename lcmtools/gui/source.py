@@ -16,12 +16,13 @@ from lcmtools.gui.recording import Recordings
 from lcmtools.gui.steering import SpeedLimits, Steering
 from lcmtools.gui.steering_process import SteeringProcess
 from lcmtools.messages.registry import Message
-from lcmtools.names import check_length, closest
+from lcmtools.names import check_length, closest, resolve
 from lcmtools.observe.channels.feed import Feed, Snapshot
 from lcmtools.observe.channels.rows import ChannelSelection
 from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.observe.reading.following import Receiver
 from lcmtools.observe.reading.monitor import BusMonitor
+from lcmtools.publish.publication import check_topic
 from lcmtools.wire.packet import Packet
 
 _LIMITS = SpeedLimits()
@@ -141,6 +142,14 @@ def topic_named(source: Source, text: str) -> str:
     """Return the topic that a page means: a slash may be missing, unless a channel is named so."""
     channels = {row.channel for row in source.latest.rows}
     return f"/{text}" if text not in channels and f"/{text}" in channels else text
+
+
+def topic_to_publish(source: Source, text: str) -> str:
+    """Return the topic to publish on: a name on the bus as it is, others by ROS's rules."""
+    topic = topic_named(source, text)
+    is_known = any(row.channel == topic for row in source.latest.rows)
+    check_topic(topic, plain_channel=is_known)
+    return topic if is_known else resolve(topic)
 
 
 def absence(source: Source, topic: str) -> str:

@@ -30,6 +30,16 @@ class SpeedLimits:
     angular: float = FASTEST  # [rad/s]
 
 
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """The values of a request to drive, release or stop."""
+
+    topic: str
+    type: str = ""
+    forward: float = 0.0  # [m/s]
+    turn: float = 0.0  # to the left [rad/s]
+
+
 class Steering:
     """The commands of all pages, for any thread; ``start`` starts the process that publishes."""
 
@@ -56,14 +66,12 @@ class Steering:
         ones are limited. A command that came ``late`` [s] is valid for less time. Raises
         MalformedRequest.
         """
-        topic, kind, velocity = request.text("topic"), "", None
-        if request.op != "release":
-            kind = request.text("type")
+        asked, velocity = request.read(_Asked), None
         if request.op == "drive":
-            forward = _within(self.limits.linear, request.number("forward"))
-            velocity = forward, _within(self.limits.angular, request.number("turn"))
+            forward = _within(self.limits.linear, asked.forward)
+            velocity = forward, _within(self.limits.angular, asked.turn)
         try:
-            command = _command(request.op, page, topic, kind, velocity)
+            command = _command(request.op, page, asked.topic, asked.type, velocity)
         except LcmtoolsError as error:
             return str(error)
         return self._execute(command._replace(until=time.monotonic() + HOLD - late))

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import cache
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
+from lcmtools.gui.protocol import Json, MalformedRequest
 from lcmtools.gui.source import Source
 from lcmtools.messages.definition import array_type
 from lcmtools.messages.documents import parse_values
@@ -18,21 +18,21 @@ from lcmtools.packages.placed_type import Comment
 from lcmtools.packages.user_types import type_comments
 
 
-def names(source: Source, _: Parameters) -> Json:
+def names(source: Source) -> Json:
     """Return the names of all types; those on the bus first."""
     present = sorted({name for row in source.latest.rows for name in row.types})
     return [*present, *(name for name in type_names() if name not in present)]
 
 
-def describe(_: Source, parameters: Parameters) -> Json:
+def describe(_: Source, *, type: str) -> Json:  # noqa: A002 - the key of a request
     """Return a type with its fields, including nested ones."""
-    kind = message_class(parameters.text("type"))
+    kind = message_class(type)
     about = _comments(kind).get("", Comment())
     return {"type": type_name(kind), "comment": about.text, "fields": _fields(kind, ())}
 
 
-def filled_in(parameters: Parameters) -> MessageTemplate[Message]:
-    """Return the message for a page's form: ``type``, and ``values`` by field.
+def filled_in(type_text: str, values: Json) -> MessageTemplate[Message]:
+    """Return the message for a page's form: its type, and its values by field.
 
     Values are texts, interpreted by the field's type; arrays are YAML. Empty texts keep
     the default, except in string fields.
@@ -41,8 +41,7 @@ def filled_in(parameters: Parameters) -> MessageTemplate[Message]:
         UnknownType: There is no such type.
         ValueMismatch: A value does not fit its field, which the error names.
     """
-    kind = message_class(parameters.text("type"))
-    values = parameters.value("values")
+    kind = message_class(type_text)
     if not isinstance(values, Mapping):
         raise MalformedRequest("'values' is not an object")
     return draft(kind, _read(kind, values))

@@ -3,14 +3,14 @@
 Belongs here: the text of a type's fields, constants and defaults. Must not know messages.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
 from lcmtools.messages.enums import EnumType
 from lcmtools.messages.fields import Field, constant_types, constants, visible_fields
-from lcmtools.messages.plain import Plain, to_plain
+from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.messages.scalars import INTEGERS
-from lcmtools.messages.setting import write_setting
+from lcmtools.messages.text import INPUT
 
 
 def definition(cls: type[Message]) -> str:
@@ -37,12 +37,12 @@ def prototype(cls: type[Message]) -> str:
 
     It is "{}" for a type without fields.
     """
-    return "\n".join(_prototype_rows(to_plain(cls()), "")) or "{}"
+    return INPUT.block(to_plain(cls()))
 
 
 def prototype_line(cls: type[Message]) -> str:
     """Return the same as one line: "{linear: {x: 0.0}, frame_id: ''}"."""
-    return _inline(to_plain(cls()))
+    return INPUT.flow(to_plain(cls()))
 
 
 def declaration(field: Field) -> str:
@@ -77,21 +77,3 @@ def _constants(cls: type[Message]) -> Iterator[str]:
     declared = constant_types(cls)
     for name, value in values.items():
         yield f"{declared.get(name) or usual[type(value)]} {name}={value}"
-
-
-def _prototype_rows(fields: Mapping[str, Plain], indent: str) -> Iterator[str]:
-    for name, value in fields.items():
-        if isinstance(value, dict) and value:
-            yield f"{indent}{name}:"
-            yield from _prototype_rows(value, f"{indent}  ")
-        else:
-            yield f"{indent}{name}: {_inline(value)}"
-
-
-def _inline(value: Plain) -> str:
-    """Return a value as one line; whole messages occur only within arrays of fixed size."""
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{name}: {_inline(part)}' for name, part in value.items())}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(_inline, value))}]"
-    return write_setting(value)

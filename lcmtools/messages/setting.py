@@ -5,7 +5,6 @@ a message's field: ``1e-3`` is a number; ``on`` is true if a boolean is expected
 is.
 """
 
-import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -16,7 +15,7 @@ from lcmtools.formats.strict_yaml import QuotedText, read_documents
 from lcmtools.messages.fill import Value
 from lcmtools.messages.scalars import Misfit, Scalar, from_python, from_text, given
 from lcmtools.messages.shape import each
-from lcmtools.messages.text import RESERVED_WORDS, quoted
+from lcmtools.messages.text import INPUT
 
 ParameterValue: TypeAlias = "Scalar | Sequence[Scalar] | None"
 """A single value, a list of them, or nothing."""
@@ -29,8 +28,6 @@ _FIELD_TYPES = {"bool": "bool", "int": "int64", "float": "float64", "string": "s
 _KINDS: dict[type, str] = {bool: "bool", int: "int", float: "float", str: "string"}
 _QUOTES = "'\""
 _WHOLE = re.compile(r"[-+]?(?:[0-9]+|0x[0-9a-f]+|0o[0-7]+|0b[01]+)", re.IGNORECASE)
-# Text that no YAML parser mistakes for anything else, not even in a flow-style list.
-_WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
 
 
 def kind_of(value: ParameterValue) -> str:
@@ -88,19 +85,8 @@ def text_of(value: Value, kind: str) -> str:
     return write_setting(None)
 
 
-def write_setting(value: ParameterValue) -> str:
-    """Return a value as one line of YAML, which ``read_setting`` reads back."""
-    if value is None:
-        return "null"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        is_plain = _WORDS.fullmatch(value) and value.lower() not in RESERVED_WORDS
-        return value if is_plain else quoted(value)
-    if isinstance(value, Sequence):
-        return f"[{', '.join(map(write_setting, value))}]"
-    text = repr(value)
-    return text if math.isfinite(value) else text.replace("inf", ".inf").replace("nan", ".nan")
+write_setting = INPUT.flow
+"""The function that returns a value as one line of YAML, which ``read_setting`` reads back."""
 
 
 def _converted(

@@ -43,11 +43,12 @@ _ESCAPED = re.compile(r"[^ !#-\[\]-~]")
 
 # Text that needs no quotes for any YAML parser: neither reserved words nor numbers.
 _WORD = re.compile(r"[A-Za-z_/][\w./-]*", re.ASCII)
+# The same within brackets, where a few more characters are safe.
+_WORDS = re.compile(r"[A-Za-z/_]([\w ./+@%-]*[\w./+@%-])?", re.ASCII)
 _STRAY = re.compile("[\udc80-\udcff]")
 _NSEC_WIDTH = 9
 _NUMBERS = frozenset((bool, int, float))
-RESERVED_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
-"""Words that YAML parsers do not read as text."""
+_RESERVED = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 
 
 def format_message(message: Message) -> str:
@@ -76,34 +77,52 @@ def _quoted_at_end(text: str) -> str:
 
 
 class Writer(NamedTuple):
-    """The format of plain values; numbers have ``width`` characters, as in ``rostopic echo -w``.
+    """The format of plain values.
 
-    ``format_message`` does the same faster, but only for whole messages.
+    ``format_message`` does the same ten times as fast, but only for whole messages of ``FREE``.
     """
 
-    width: int | None = None
+    width: int | None = None  # characters of a number, as in ``rostopic echo -w``
+    is_input: bool = False  # as people write values: true, .inf, words; arrays in one line
 
     def block(self, plain: Plain) -> str:
         """Format a plain value as ``rostopic echo`` shows its message or field."""
-        return "\n".join(self._lines(plain, "")) if _is_block(plain) else self.flow(plain)
+        return "\n".join(self._lines(plain, "")) if self._is_block(plain) else self.flow(plain)
 
-    def flow(self, plain: Plain) -> str:
+    def flow(self, plain: "Plain | Sequence[Plain] | None") -> str:
         """Format a plain value as one line, in YAML's flow style."""
         if isinstance(plain, dict):
             parts = (f"{name}: {self.flow(value)}" for name, value in plain.items())
             return f"{{{', '.join(parts)}}}"
-        if isinstance(plain, list):
-            if self.width is None and _are_numbers(plain):
+        if isinstance(plain, str):
+            return str(plain) if isinstance(plain, More) else self._text(plain)
+        if isinstance(plain, Sequence):
+            if self == FREE and _are_numbers(plain):
                 return repr(plain)  # the same, but faster for images and clouds
             return f"[{', '.join(map(self.flow, plain))}]"
-        if isinstance(plain, str):
-            return str(plain) if isinstance(plain, More) else quoted(plain)
-        return repr(plain) if self.width is None else _fixed(plain, self.width)
+        if self.is_input:
+            return _input(plain)
+        return repr(plain) if self.width is None else _fixed(cast("float", plain), self.width)
+
+    def _text(self, text: str) -> str:
+        is_bare = self.is_input and _is_word(_WORDS, text)
+        return text if is_bare else quoted(text)
+
+    def _is_block(self, value: Plain) -> bool:
+        """Return True for a message, and for an array with an element that needs several lines."""
+        if self.is_input or not isinstance(value, list):
+            return isinstance(value, dict) and bool(value or not self.is_input)
+        return not _are_numbers(value) and any(
+            (isinstance(part, str) and not isinstance(part, More)) or self._is_block(part)
+            for part in value
+        )
 
     def value(self, plain: Plain, indent: str) -> str:
         """Format a field's value, behind its name, or below it with an indent."""
         return (
-            "\n".join(("", *self._lines(plain, indent))) if _is_block(plain) else self.flow(plain)
+            "\n".join(("", *self._lines(plain, indent)))
+            if self._is_block(plain)
+            else self.flow(plain)
         )
 
     def _lines(self, whole: Plain, indent: str) -> Iterator[str]:
@@ -115,9 +134,11 @@ class Writer(NamedTuple):
         is_time = tuple(fields) in TIME_FIELDS
         for name, value in fields.items():
             head = f"{indent}- " if is_list else f"{indent}{name}: "
-            if _is_block(value):
-                yield head
+            if self._is_block(value):
+                yield head.rstrip() if self.is_input else head
                 yield from self._lines(value, f"{indent}  ")
+            elif self.is_input:
+                yield head + self.flow(value)
             elif isinstance(value, str) and not isinstance(value, More):
                 yield head + (_word_or_quoted(value) if is_list else _quoted_at_end(value))
             else:
@@ -127,12 +148,17 @@ class Writer(NamedTuple):
 
 FREE = Writer()
 """The format in which numbers have as many characters as needed."""
+INPUT = Writer(is_input=True)
+"""The format of values that people may edit: prototypes of types, and parameters."""
 
 
 def _word_or_quoted(text: str) -> str:
     """Return a string in a list, without quotes if no YAML parser needs them."""
-    is_word = _WORD.fullmatch(text) and text.lower() not in RESERVED_WORDS
-    return text if is_word else _quoted_at_end(text)
+    return text if _is_word(_WORD, text) else _quoted_at_end(text)
+
+
+def _is_word(words: re.Pattern[str], text: str) -> bool:
+    return bool(words.fullmatch(text)) and text.lower() not in _RESERVED
 
 
 class _Form(NamedTuple):
@@ -222,17 +248,15 @@ def _block(field: Field, value: object, head: str, indent: str, depth: int = 1) 
             yield f"{indent}- {_word_or_quoted(cast('str', element))}"
 
 
-def _is_block(value: Plain) -> bool:
-    """Return True for a message, and for an array with an element that needs several lines."""
-    if not isinstance(value, list):
-        return isinstance(value, dict)
-    return not _are_numbers(value) and any(
-        (isinstance(part, str) and not isinstance(part, More)) or _is_block(part) for part in value
-    )
-
-
-def _are_numbers(values: list[Plain]) -> bool:
+def _are_numbers(values: Sequence[Plain]) -> bool:
     return _NUMBERS.issuperset(map(type, values))
+
+
+def _input(value: object) -> str:
+    """Return a number, a boolean or nothing in YAML's words."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    return repr(value).replace("inf", ".inf").replace("nan", ".nan")
 
 
 def _fixed(number: "bool | int | float", width: int) -> str:

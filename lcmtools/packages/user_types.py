@@ -36,7 +36,6 @@ from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import Problem, TypeSource
 from lcmtools.names import did_you_mean
 from lcmtools.packages import provide_user_types
-from lcmtools.packages.placed_type import Comment, comments
 from lcmtools.packages.type_files import (
     LcmFile,
     installed_folders,
@@ -47,7 +46,8 @@ from lcmtools.packages.type_files import (
 )
 from lcmtools.packages.workspace import noted_type_folders, type_folders
 
-if TYPE_CHECKING:  # most commands do not need logs
+if TYPE_CHECKING:  # most commands need neither
+    from lcmtools.packages.placed_type import Comment
     from lcmtools.wire.log_index import RecordedType
 
 _WORKSPACE_AGAIN = 1.0
@@ -229,8 +229,10 @@ def source_text(kind: type[Message]) -> str:
     return read_source(source_file(kind), type_name(kind))
 
 
-def type_comments(kind: type[Message]) -> dict[str, Comment]:
+def type_comments(kind: type[Message]) -> "dict[str, Comment]":
     """Return the comments on a type in its file, by field; see ``placed_type.comments``."""
+    from lcmtools.packages.placed_type import comments
+
     name, file = type_name(kind), source_file(kind)
     package = "" if file.endswith(".lcm") else name.rpartition("/")[0]
     return comments(LcmFile(file, read_source(file, name).encode(), package), name)

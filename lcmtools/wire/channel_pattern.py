@@ -8,6 +8,7 @@ more ways than _MOST_WAYS is refused: no client can block a server with one such
 import importlib
 import re
 import sys
+import warnings
 from typing import Any
 
 from lcmtools.errors import LcmtoolsError
@@ -33,9 +34,11 @@ def compile_pattern(text: str) -> re.Pattern[str]:
     """
     try:
         pattern = _FOREIGN.sub(_in_python, text)
-        ways = _ways(_parser.parse(pattern, re.ASCII))
-        compiled = re.compile(pattern, re.ASCII)
-    except (re.error, ValueError, OverflowError, RecursionError) as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # sets that other languages read as intersections
+            ways = _ways(_parser.parse(pattern, re.ASCII))
+            compiled = re.compile(pattern, re.ASCII)
+    except (re.error, ValueError, OverflowError, RecursionError, Warning) as error:
         position = getattr(error, "pos", None)
         place = "" if position is None else f" from character {position + 1} on"
         raise PatternError(f"the pattern '{text}' is not supported{place}") from None

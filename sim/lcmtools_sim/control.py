@@ -11,6 +11,7 @@ from typing import Protocol, TypeVar
 from lcmtools import Node
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean, resolve_namespace
+from lcmtools.text_table import plural
 from lcmtools.types import geometry_msgs, sim_msgs, std_srvs
 from lcmtools_sim.geometry import Frame, Pose, to_euler
 from lcmtools_sim.loop import Loop
@@ -81,7 +82,7 @@ class Control:
             raise UsageError("the simulator is executing another request's steps", "wait for them")
         done = self._loop.step(request.steps)
         response.time = self._simulation.time
-        response.message = f"did {done} steps, now at {response.time / 1e9:.6f} s"
+        response.message = f"did {plural(done, 'step')}, now at {response.time / 1e9:.6f} s"
 
     def _set_rate(
         self, request: sim_msgs.SetRate_Request, response: sim_msgs.SetRate_Response

@@ -12,6 +12,7 @@ from typing import Annotated
 from lcmtools.errors import UsageError
 from lcmtools.formats.typed import Within
 from lcmtools.names import did_you_mean
+from lcmtools.text_table import plural
 from lcmtools_sim.geometry import ORIGIN, Pose, Vector
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.shapes import Color, Cuboid, Line, Part
@@ -129,5 +130,4 @@ def contents(scene: Scene) -> str:
     """Return the robots and the number of objects of a scene, as one line."""
     named = (f"{robot.model.name} {robot.namespace}" for robot in scene.robots)
     robots = ", ".join(name.removesuffix(" /") for name in named)
-    count = len(scene.objects)
-    return f"{robots or 'no robot'}; {count} object{'' if count == 1 else 's'}"
+    return f"{robots or 'no robot'}; {plural(len(scene.objects), 'object')}"

@@ -88,6 +88,18 @@ def panel_address(address, panel, **settings):
     return f"{address}#{quote(json.dumps({'panel': panel, 'settings': settings}))}"
 
 
+def press_rare(page, name):
+    """Press a tool in the menu of the rarely used ones, and leave the menu open."""
+    open_more(page)
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def open_more(page):
+    """Open the menu of the rarely used tools, unless it is open."""
+    if not page.locator(".more:popover-open").count():
+        page.get_by_role("button", name="More …").click()
+
+
 def forget_layouts(page, address):
     """Remove what the browser has stored for a server's pages."""
     client = page.context.new_cdp_session(page)

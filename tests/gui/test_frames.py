@@ -14,6 +14,7 @@ from lcmtools.bus.url import parse_url
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.tf2_msgs import TFMessage
+from tests.gui.conftest import open_more
 
 _SATURATED = 90  # a color's distance from the others, of 255
 _FEW = 10  # pixels
@@ -51,9 +52,9 @@ def send(bus, topic, *pairs):
 def rows(page):
     """The rows of the tree: frame, level, topic and fault."""
     return [
-        [cells[0], row.get_attribute("aria-level"), cells[3], cells[4]]
+        [cells[0], row.get_attribute("aria-level"), cells[4], cells[2]]
         for row in page.locator(".frame-tree tbody tr").all()
-        for cells in [row.locator("td").all_inner_texts()]
+        for cells in [row.locator("td").all_text_contents()]
     ]
 
 
@@ -67,7 +68,7 @@ def test_the_tree_has_each_frame_below_its_parent_and_names_what_is_wrong(addres
         ["odom", "2", "/tf", ""],
         ["base", "3", "/tf", ""],
     ]
-    assert page.locator(".frame-tree tbody td").nth(7).inner_text()  # its publisher
+    assert page.locator(".frame-tree tbody td").nth(8).inner_text()  # its publisher
     send(bus, "/other", "map lidar")
     page.get_by_text("2 trees that nothing connects: map, world").wait_for()
     send(bus, "/tf", "odom base", "lidar base")
@@ -82,6 +83,7 @@ def test_the_world_shows_the_axes_of_frames(address, bus, page):
     page.locator(".frame-tree").wait_for()
     send(bus, "/tf", "world odom", "odom base")
     page.locator(".frame-tree tbody tr").nth(2).wait_for()
+    open_more(page)
     frames = page.get_by_role("button", name="Frames", exact=True)
     assert frames.get_attribute("aria-pressed") == "false"
     assert _saturated(page) == [0, 0, 0]

@@ -2,6 +2,8 @@
 
 import pytest
 
+from tests.gui.conftest import press_rare
+
 CONTROLLER = 'g[data-key="node:/simple_controller"]'
 
 
@@ -48,21 +50,21 @@ def test_the_graph_is_text_for_screen_readers(graph):
     text = graph.locator(".graph-outline").text_content()
     assert "/simple_controller" in text
     assert "subscribes to /desired_velocity" in text
-    graph.click("button:text-is('Text')")
+    press_rare(graph, "Text")
     assert graph.is_visible(".graph-outline")
     assert graph.is_hidden(".graph-drawing")
 
 
 def test_choices_change_what_is_drawn(graph):
-    graph.click("button:text-is('Groups')")
+    press_rare(graph, "Groups")
     graph.wait_for_selector('.band-name:text-is("/husky0")')
-    graph.click("button:text-is('Topics')")
+    press_rare(graph, "Topics")
     graph.wait_for_selector('g[data-key="topic:/desired_velocity"]', state="detached")
 
 
 def test_the_drawing_is_saved_with_its_colours(graph, tmp_path):
     with graph.expect_download() as download:
-        graph.click("[aria-label='Save the drawing as SVG']")
+        press_rare(graph, "Save as SVG")
     path = tmp_path / "graph.svg"
     download.value.save_as(path)
     text = path.read_text()

@@ -9,7 +9,7 @@ from fixtures.wire import encode_event
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
 from lcmtools.wire.packet import Packet
-from tests.gui.conftest import panel_address
+from tests.gui.conftest import panel_address, press_rare
 
 S = 1_000_000_000
 START = 1_795_000_000 * S
@@ -84,5 +84,5 @@ def test_a_plot_has_the_whole_log_and_the_value_where_it_is_played(log):
     row.locator("td", has_text=re.compile(r"^5$")).wait_for()
     log.locator(".plot-table th", has_text="at 5.00").wait_for()
     with log.expect_download() as download:
-        log.get_by_role("button", name="CSV").click()
+        press_rare(log, "Save as CSV")
     assert len(Path(download.value.path()).read_text().splitlines()) == 102

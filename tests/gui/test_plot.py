@@ -12,7 +12,7 @@ import pytest
 
 from lcmtools import Node
 from lcmtools.types.std_msgs import Float64
-from tests.gui.conftest import panel_address
+from tests.gui.conftest import panel_address, press_rare
 
 _FIELD = "/wave/data"
 _LIMITS = json.loads((Path(__file__).parents[1] / "fixtures" / "value_limits.json").read_text())
@@ -57,7 +57,7 @@ def test_every_sample_is_plotted_and_saved(serve, page, publish, tmp_path):
         publish(math.nan if count == 100 else count / 8)
     page.locator(".plot-table td", has_text="24.8750").first.wait_for()
     with page.expect_download() as download:
-        page.get_by_role("button", name="CSV").click()
+        press_rare(page, "Save as CSV")
     download.value.save_as(tmp_path / "wave.csv")
     rows = list(csv.DictReader((tmp_path / "wave.csv").read_text().splitlines()))
     values = [float(row[_FIELD]) for row in rows]

@@ -9,7 +9,7 @@ from lcmtools import Node
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.std_msgs import Float64
-from tests.gui.conftest import panel_address
+from tests.gui.conftest import open_more, panel_address, press_rare
 
 X, Y = "/odom/pose.pose.position.x", "/odom/pose.pose.position.y"
 COLORED = """() => {
@@ -95,7 +95,7 @@ def until_plotted(page, label, send, text):
 def saved(page, folder):
     """The rows of the plot's CSV."""
     with page.expect_download() as download:
-        page.get_by_role("button", name="CSV").click()
+        press_rare(page, "Save as CSV")
     download.value.save_as(folder / "plot.csv")
     return list(csv.DictReader((folder / "plot.csv").read_text().splitlines()))
 
@@ -106,7 +106,7 @@ def test_the_first_sample_of_a_waiting_plot_is_drawn(plot, robot):
     robot.say(3.25)
     page.locator(".plot-table td", has_text="3.25000").wait_for()
     page.wait_for_function(f"() => ({COLORED})()[1] >= 9")
-    assert page.locator(".plot-table .muted").inner_text() == "1 samples"
+    assert page.locator(".plot-table .muted").inner_text() == "1 sample"
 
 
 def test_a_curve_is_plotted_over_another_one_with_units(plot, robot):
@@ -115,6 +115,7 @@ def test_a_curve_is_plotted_over_another_one_with_units(plot, robot):
     assert page.locator(".plot-table th button").all_inner_texts() == [f"{X} [m]", f"{Y} [m]"]
     for y in (1.0, 0.0, 2.0):
         robot.drive(2.0, y)
+    open_more(page)
     page.get_by_label("Horizontal axis").select_option(f"over {X}")
     page.wait_for_function(
         f"() => {{ const [most, , high] = ({COLORED})(); return most > high / 3; }}"
@@ -169,6 +170,7 @@ def test_values_that_are_not_finite_are_named(plot, robot, tmp_path):
 def test_the_value_axis_is_chosen_and_kept(plot, robot):
     page = plot("/number/data")
     until_plotted(page, "/number", lambda: robot.say(1.5), "1.50000")
+    open_more(page)
     for label, value in (("Lower end", "-2"), ("Upper end", "-4"), ("Least span", "3")):
         page.get_by_label(label).fill(value)
         page.get_by_label(label).press("Enter")

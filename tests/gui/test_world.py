@@ -20,7 +20,7 @@ from lcmtools.types.nav_msgs import OccupancyGrid, Odometry
 from lcmtools.types.sensor_msgs import PointCloud2, PointField
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker
-from tests.gui.conftest import panel_address
+from tests.gui.conftest import panel_address, press_rare
 
 _LONG = 40.0  # [s] for what comes
 _COLOURED = 80  # red less green, of 255
@@ -85,7 +85,7 @@ def drag(page, start, end):
 def is_where_its_wheels_say(page, url):
     """Wait until the odometry is shown as it is: wheels slip at a wall. The robot does a step."""
     with closing(messages("/husky0/odometry", url=url, wall_time=True, timeout=_LONG)) as arrivals:
-        page.get_by_role("button", name="Step").click()
+        press_rare(page, "Step")
         odometry = next(arrivals).message
     assert isinstance(odometry, Odometry)
     place = odometry.pose.pose.position
@@ -98,7 +98,6 @@ def test_a_robot_moves_as_the_simulator_says_and_is_paused_and_dragged(
     page.goto(world)
     is_at(page, "/husky0", 0, 0)
     is_at(page, "crate", 1.5, -1)
-
     twist = "{linear: {x: 0.5}}"
     words = ("pub", "-r", "10", "/husky0/cmd_vel", "geometry_msgs/Twist", twist)
     driver = start(lcmtools_path, *words, "--lcm-url", bus_url)
@@ -109,21 +108,19 @@ def test_a_robot_moves_as_the_simulator_says_and_is_paused_and_dragged(
     driver.end()
     page.get_by_role("button", name="Pause").click()
     page.get_by_role("button", name="Resume").wait_for()
-    page.get_by_role("button", name="Step").click()
+    press_rare(page, "Step")
     page.get_by_text("did 24 steps").wait_for()
     state = json.loads(cli("sim", "state", "husky0", "--json", "--lcm-url", bus_url).out)
     place = state["pose"]["position"]
     is_at(page, "/husky0", place["x"], place["y"], 0.02)
     is_at(page, "/husky0/ground_truth", place["x"], place["y"], 0.02)
     is_where_its_wheels_say(page, bus_url)
-
-    page.get_by_role("button", name="Reset", exact=True).click()
+    press_rare(page, "Reset")
     is_at(page, "/husky0", 0, 0, 0.05)
     page.get_by_role("button", name="Resume").click()
     page.get_by_role("button", name="Pause").wait_for()
-
     page.get_by_role("button", name="Move").click()
-    page.get_by_role("button", name="Top").click()
+    press_rare(page, "Top")
     page.get_by_role("button", name="/husky0", exact=True).click()
     box = page.locator(".world-stage canvas").bounding_box()
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -166,7 +163,7 @@ def test_odometry_leaves_a_trail(world, page, bus_url, start, lcmtools_path):
     driver = start(lcmtools_path, *words, "--lcm-url", bus_url)
     wait_for(page, HAS_LEFT, [0, 0, 2])
     driver.end()
-    page.get_by_role("button", name="Top").click()
+    press_rare(page, "Top")
     page.wait_for_timeout(1000)  # some frames
     picture = Image.open(io.BytesIO(page.locator(".world-stage").screenshot())).convert("RGB")
     places = [
@@ -183,7 +180,7 @@ def test_a_crate_is_dragged_and_the_robot_stays(world, page, bus_url):
     page.goto(world)
     is_at(page, "crate", 1.5, -1)
     page.get_by_role("button", name="Move").click()
-    page.get_by_role("button", name="Top").click()
+    press_rare(page, "Top")
     page.get_by_role("button", name="crate", exact=True).click()
     box = page.locator(".world-stage canvas").bounding_box()
     middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

@@ -1,15 +1,9 @@
-"""Shared by the labs' tests: lab check of a program, and the processes that are left of a lab."""
+"""Shared by the labs' tests: the processes that are left of a lab."""
 
-import json
 import os
-import shlex
-import sys
 from pathlib import Path
 
 import pytest
-
-LONGEST = 25.0
-"""Of a check [s], by the simulation's pace; its start and end take less than 5 s more."""
 
 
 @pytest.fixture
@@ -30,20 +24,3 @@ def left_over(tmp_path):
         return [command for command in found if command]
 
     return find
-
-
-@pytest.fixture
-def check(cli, tmp_path):
-    """``check("husky", "controller", source, "fault")``: the rows that are not ok."""
-
-    def run(lab, program, source, fault):
-        script = tmp_path / "program.py"
-        script.write_text(source)
-        command = f"{shlex.join([sys.executable, str(script)])} {fault}"
-        result = cli("lab", "check", lab, f"--{program}", command, "--json")
-        assert result.code == 1, result.err
-        answer = json.loads(result.out)
-        assert answer["programs"][program]["duration"] < LONGEST
-        return [row for row in answer["rows"] if not row["ok"]]
-
-    return run

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from fixtures.typist import Typist
 
-from lcmtools.labs.checks import checked_programs, dolly, test_bench
+from lcmtools.labs.checks import checked_programs, dolly, program_rows
 from lcmtools.processes.child import StopTimeouts
 
 pytestmark = pytest.mark.usefixtures("quiet_network")
@@ -40,52 +40,6 @@ lcmtools.init()
 lcmtools.spin(TooSlow())
 lcmtools.shutdown()
 """
-WRONG_KEYS = """
-import sys, tty
-import lcmtools
-from lcmtools import Node
-from lcmtools.types.geometry_msgs import Twist
-
-lcmtools.init()
-node = Node("teleop")
-publisher = node.create_publisher(Twist, "/RosAria/cmd_vel")
-tty.setcbreak(0)
-ways = {"i": (1, 0), ",": (-1, 0), "j": (0, 1), "l": (0, -1), "u": (1, 1), "o": (1, -1),
-        "m": (-1, 1), ".": (-1, -1)}
-factors = {"q": (1.1, 1.1), "w": (1.1, 1), "e": (1, 1.1), "z": (0.9, 0.9), "x": (0.9, 1)}
-speed = turn = 1.0
-try:
-    while True:
-        key = sys.stdin.read(1)
-        faster, more_turn = factors.get(key, (1, 1))
-        speed, turn = speed * faster, turn * more_turn
-        along, around = ways.get(key, (0, 0))
-        twist = Twist()
-        twist.linear.x, twist.angular.z = along * speed, around * turn
-        publisher.publish(twist)
-except KeyboardInterrupt:
-    pass
-lcmtools.shutdown()
-"""
-UPSIDE_DOWN = """
-import sys
-import PIL.Image
-import lcmtools
-from lcmtools import Node
-from lcmtools.types.sensor_msgs import Image
-
-
-def save(image):
-    upright = PIL.Image.frombytes("I;16", (image.width, image.height), image.data)
-    upright.transpose(PIL.Image.Transpose.FLIP_TOP_BOTTOM).save(sys.argv[1], "PNG")
-
-
-lcmtools.init([])
-node = Node("viewer")
-node.create_subscription(Image, "/camera/depth/image_raw", save, 1)
-lcmtools.spin(node)
-lcmtools.shutdown()
-"""
 ONE_HERTZ = """
 import lcmtools
 from lcmtools import Node
@@ -106,10 +60,10 @@ lcmtools.shutdown()
 def check(cli, tmp_path, left_over):
     """``check("husky", "--controller", source)``: the rows by what they are about."""
 
-    def run(lab, *options, source="", tail=""):
+    def run(lab, *options, source=""):
         script = tmp_path / "program.py"
         script.write_text(source)
-        own = [options[-1], f"{shlex.join([sys.executable, str(script)])}{tail}"] if source else []
+        own = [options[-1], shlex.join([sys.executable, str(script)])] if source else []
         result = cli(
             "lab", "check", lab, *options[:-1], *own, "--json", env={"TMPDIR": str(tmp_path)}
         )
@@ -143,22 +97,6 @@ def test_a_controller_that_is_too_slow_is_measured_and_advised(check):
     assert str(rows["drive at 0.1 m/s"]["hint"]).startswith("too slow")
     assert rows["stop from 1 m/s"]["ok"]
     assert str(rows["turn at 0.3 rad/s"]["hint"]).startswith("it does not move")
-
-
-def test_keys_that_are_exchanged_and_missing_are_found(check):
-    rows = check("pioneer", "--teleop", source=WRONG_KEYS)
-    assert not_ok(rows) == [
-        "m  backward, clockwise",
-        ".  backward, counter-clockwise",
-        "u  after c, turning 10 % less",
-        "stops at the end",
-    ]
-
-
-def test_a_picture_that_is_upside_down_is_found(check):
-    rows = check("pioneer", "--viewer", source=UPSIDE_DOWN, tail=" {picture}")
-    assert rows["saves a picture"]["measured"] == "640 x 480 pixels"
-    assert not_ok(rows) == ["shows the depth"]
 
 
 def test_a_mover_with_the_wrong_rate_and_circle_is_measured(check, monkeypatch):
@@ -219,7 +157,7 @@ def test_a_program_that_prints_without_end_is_stopped_before_the_disk_is_full(ch
 
 
 def test_a_program_that_is_silent_and_ignores_signals_is_ended(check, monkeypatch):
-    monkeypatch.setattr(test_bench, "_FIRST_MESSAGE", 2.0)
+    monkeypatch.setattr(program_rows, "_FIRST_MESSAGE", 2.0)
     monkeypatch.setattr(checked_programs, "_TIMEOUTS", StopTimeouts(0.5, 0.5))
     source = (
         "import signal, subprocess, time\n"

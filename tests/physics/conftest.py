@@ -7,6 +7,7 @@ import pytest
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.geometry import Pose
+from lcmtools_sim.mounted import Subscribers
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.simulation import Simulation
@@ -25,6 +26,18 @@ def simulate():
             return owned.enter_context(Simulation(scene))
 
         yield make
+
+
+@pytest.fixture
+def unmeasured(simulate):
+    """Makes simulations that measure nothing, for tests that read the robots' states."""
+
+    def make(*things, **options):
+        simulation = simulate(*things, **options)
+        simulation.select(lambda _: Subscribers.NONE)
+        return simulation
+
+    return make
 
 
 @pytest.fixture

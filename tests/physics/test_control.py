@@ -98,9 +98,7 @@ def test_steps_are_done_at_once_and_only_while_it_is_paused(node, simulation, ou
     refused = node.call("step", steps=5)
     assert (refused.success, simulation.steps) == (False, 0)
     assert refused.message == "the simulator is not paused; pause it first"
-
     response = paused(node).call("step", steps=48)
-
     assert (response.success, simulation.steps, response.time) == (True, 48, 200_000_000)
     assert len(outside.published) == 48
 
@@ -117,7 +115,6 @@ def test_a_request_for_steps_is_refused_while_those_of_another_wait(simulation, 
     loop = Loop(simulation, outside, Pacer(0.0), go_on=lambda: True, let_step=wait)
     Control(offered, simulation, loop, lambda: None)
     done = [paused(offered).call("step", steps=6) for _ in range(2)]
-
     assert [(answer.success, answer.message) for answer in refused] == [
         (False, "the simulator is executing another request's steps; wait for them")
     ]
@@ -130,7 +127,6 @@ def test_a_request_for_steps_is_refused_while_those_of_another_wait(simulation, 
 @pytest.mark.parametrize("steps", [0, -3, 10**9])
 def test_a_senseless_number_of_steps_is_refused(node, steps):
     response = paused(node).call("step", steps=steps)
-
     assert not response.success
     assert response.message == f"steps must be from 1 to 1000000, not {steps}"
 
@@ -139,9 +135,7 @@ def test_a_follower_has_no_time_of_its_own():
     offered = Offered()
     with Simulation(Scene("test"), leads=False) as simulation:
         Control(offered, simulation, Loop(simulation, Outside(), Pacer(0.0), go_on=bool), list)
-
         refused = [paused(offered).call("step", steps=5), offered.call("set_rate", rate=2.0)]
-
         assert simulation.steps == 0
     reason = "this simulator follows the /clock of another one; step that one, or set its rate"
     assert [(one.success, one.message) for one in refused] == [(False, reason)] * 2
@@ -159,7 +153,6 @@ def test_reset_brings_the_same_start_to_the_bit(node, simulation, outside, twist
     node.call("spawn", model="dolly", robot="/dolly", pose=pose(-3, 0, 0))
     node.call("set_pose", robot="/husky0", pose=pose(1, 2, 0.3))
     node.call("step", steps=100)
-
     assert node.call("reset").success
     assert (simulation.steps, [r.namespace for r in simulation.robots]) == (0, ["/husky0"])
     assert course() == first
@@ -175,11 +168,9 @@ def pose(x, y, yaw):
 def test_a_robot_is_put_elsewhere_at_rest_and_its_state_says_so(node, simulation, twist):
     simulation.robots[0].command(twist(1.0, 0.0))
     paused(node).call("step", steps=480)
-
     assert node.call("set_pose", robot="husky0", pose=pose(-3, 4, 1.2)).success
     node.call("step", steps=1)
     state = node.call("get_state", robot="/husky0")
-
     assert (state.success, state.model) == (True, "husky")
     place = state.pose.position
     assert (place.x, place.y, place.z) == pytest.approx((-3, 4, 0), abs=1e-4)  # as it was set
@@ -192,10 +183,8 @@ def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(node, simulatio
     node.call("spawn", model="husky", robot="/husky1", pose=pose(0, 3, 0))
     simulation.robots[0].command(twist(1.0, 0.0))
     node.call("step", steps=480)
-
     response = node.call("set_pose", robot="husky0", pose=pose(0.3, 3, 0))
     node.call("step", steps=240)
-
     assert not response.success
     assert response.message.startswith("/husky0 would be 0.")
     assert response.message.endswith(" m inside /husky1; choose another place")
@@ -208,7 +197,6 @@ def test_a_robot_is_not_put_inside_another_and_goes_on_as_it_was(node, simulatio
 def test_an_object_that_can_be_pushed_is_put_elsewhere_too(node, simulation):
     paused(node).call("set_pose", robot="crate", pose=pose(-3, 4, 1.2))
     node.call("step", steps=24)
-
     (crate,) = simulation.objects
     assert crate.frame.position == pytest.approx((-3, 4, 0), abs=1e-3)  # on the ground
     assert yaw_of(crate.frame.rotation) == pytest.approx(1.2, abs=1e-3)
@@ -222,14 +210,12 @@ def test_an_object_that_can_be_pushed_is_put_elsewhere_too(node, simulation):
 def test_of_two_objects_with_one_name_the_second_has_a_number(simulate):
     crates = [box("crate", (0.5, 0.5, 0.5), Pose(x, 4, 0.25), mass=5) for x in (2, 4)]
     first, second = simulate(*crates).objects
-
     with pytest.raises(UsageError, match=r"crate_2 would be 0\.50 m inside crate;"):
         second.place(first.frame.pose())
 
 
 def test_an_object_that_stands_for_ever_is_not_put_elsewhere(node):
     response = node.call("set_pose", robot="wall", pose=pose(-3, 4, 1.2))
-
     assert response.message == "there is no robot or movable object 'wall'; known: /husky0, crate"
 
 
@@ -239,7 +225,6 @@ def test_robots_come_and_go(node, simulation, changes):
     assert "/dolly/laser_scan" in simulation.topics()
     node.call("step", steps=240)
     assert node.call("get_state", robot="dolly").pose.position.x == pytest.approx(-3.0, abs=1e-3)
-
     assert node.call("delete", robot="/dolly").success
     assert "/dolly/laser_scan" not in simulation.topics()
     assert changes == ["changed", "changed"]
@@ -281,9 +266,7 @@ def test_what_cannot_be_done_is_said_and_changes_nothing(
     node, simulation, changes, service, fields, message
 ):
     before = simulation.robots[0].state(0)
-
     response = node.call(service, **fields)
-
     assert (response.success, response.message) == (False, message)
     assert simulation.robots[0].state(0) == before
     assert changes == []
@@ -291,9 +274,7 @@ def test_what_cannot_be_done_is_said_and_changes_nothing(
 
 def test_a_pose_without_a_rotation_is_refused(node):
     request = sim_msgs.SetPose_Request()
-
     response = node.call("set_pose", robot="/husky0", pose=request.pose)
-
     assert response.message == "the orientation is all zeros; w: 1 for none"
 
 
@@ -302,16 +283,13 @@ def test_a_quaternion_has_any_length(node, simulation, length):
     turned = pose(-3, 4, 1)
     turned.orientation.z *= length
     turned.orientation.w *= length
-
     response = node.call("set_pose", robot="/husky0", pose=turned)
-
     assert response.success, response.message
     assert yaw_of(simulation.robots[0].frame.rotation) == pytest.approx(1)
 
 
 def test_a_robot_is_not_put_up_inside_another(node, simulation):
     response = node.call("spawn", model="dolly", robot="/dolly", pose=pose(0.2, 0, 0))
-
     assert not response.success
     assert "starts" in response.message
     assert [robot.namespace for robot in simulation.robots] == ["/husky0"]
@@ -330,7 +308,6 @@ def test_pause_and_resume_say_what_was(node):
 @pytest.mark.parametrize("robot", ["", "/husky0"])
 def test_a_snapshot_is_a_png_of_the_size_that_is_asked_for(node, robot):
     response = node.call("snapshot", robot=robot, width=320, height=200)
-
     picture = np.asarray(Image.open(BytesIO(response.image.data)))
     assert (response.success, response.image.format) == (True, "png")
     assert picture.shape == (200, 320, 3)
@@ -340,5 +317,4 @@ def test_a_snapshot_is_a_png_of_the_size_that_is_asked_for(node, robot):
 
 def test_a_snapshot_of_a_senseless_size_is_refused(node):
     response = node.call("snapshot", width=100_000)
-
     assert response.message == "a picture has 1 to 4096 columns and rows"

@@ -73,7 +73,6 @@ def wall(distance, yaw=0.0):
 @pytest.mark.parametrize("distance", [0.6, 2.0, 7.5])
 def test_a_flat_wall_has_its_depth_in_every_pixel_that_does_not_see_the_floor(place, distance):
     depth = metres(look(place(wall(distance))))
-
     rows = np.arange(480) < 239.5 + 589.37 * EYE_Z / distance - 1
     assert depth.shape == (480, 640)
     assert np.abs(depth[rows] - distance).max() < MILLIMETRE
@@ -82,7 +81,6 @@ def test_a_flat_wall_has_its_depth_in_every_pixel_that_does_not_see_the_floor(pl
 @pytest.mark.parametrize("yaw", [0.5, -0.9])
 def test_an_oblique_wall_has_the_depth_of_its_plane_in_every_column(place, yaw):
     depth = metres(look(place(wall(3.0, yaw))))
-
     # In the optical frame the wall is cos(yaw) z - sin(yaw) x = 3 cos(yaw), x = z (i - cx) / f.
     focal = 320 / math.tan(math.radians(28.5))
     slope = (np.arange(640) - 319.5) / focal
@@ -97,7 +95,6 @@ def test_the_floors_rows_have_the_depth_that_the_eyes_height_gives(place):
     messages = look(place())
     depth, info = metres(messages), messages["depth/camera_info"]
     assert isinstance(info, CameraInfo)
-
     rows = np.arange(480)
     with np.errstate(divide="ignore"):
         expected = EYE_Z * info.K[4] / (rows - info.K[5])
@@ -114,7 +111,6 @@ def test_corners_of_a_box_are_in_the_pixels_where_the_camera_info_projects_them(
     messages = look(place(box("box", size, Pose(*centre))))
     depth, info = metres(messages), messages["depth/camera_info"]
     face = centre[0] - size[0] / 2
-
     above_floor = depth[:300]
     rows, columns = np.nonzero(np.abs(above_floor - (face - EYE_X)) < 0.005)
 
@@ -132,7 +128,6 @@ def test_corners_of_a_box_are_in_the_pixels_where_the_camera_info_projects_them(
 def test_the_camera_info_is_that_of_a_kinect_and_says_so_for_both_pictures(place):
     messages = look(place())
     info = messages["depth/camera_info"]
-
     focal = 320 / math.tan(math.radians(57) / 2)
     assert (info.width, info.height) == (640, 480)
     assert list(info.K) == pytest.approx([focal, 0, 319.5, 0, focal, 239.5, 0, 0, 1])
@@ -146,7 +141,6 @@ def test_all_forms_of_the_depth_are_one_picture(place):
     post = box("box", (0.5, 0.5, 0.5), Pose(1.5, 0.2, 0.25))
     messages = look(place(wall(3.0, 0.4), post))
     depth, points = metres(messages), cloud(messages)
-
     whole = millimetres(messages)
     assert np.array_equal(whole, np.nan_to_num(np.rint(depth * 1000)).astype("<u2"))
     packed = messages["depth/image_raw/compressed"]
@@ -168,7 +162,6 @@ def test_colour_is_registered_with_depth_and_in_the_points(place):
     image = messages["rgb/image_raw"]
     color = np.frombuffer(image.data, np.uint8).reshape(480, 640, 3)
     depth, points = metres(messages), cloud(messages)
-
     assert image.encoding == "rgb8"
     is_red = (color[:, :, 0] > 60) & (color[:, :, 1] < 30) & (color[:, :, 2] < 30)
     is_box = (np.abs(depth - 1.7) < 0.001) & (np.arange(480)[:, None] < 300)  # not the floor
@@ -186,7 +179,6 @@ def test_colour_is_registered_with_depth_and_in_the_points(place):
 )
 def test_what_is_out_of_range_is_no_reading(place, distance, *, is_seen):
     messages = look(place(wall(distance)))
-
     middle = metres(messages)[100, 320], millimetres(messages)[100, 320], cloud(messages)[100, 320]
     if is_seen:
         assert middle[0] == pytest.approx(distance, abs=MILLIMETRE)
@@ -201,7 +193,6 @@ def test_what_is_out_of_range_is_no_reading(place, distance, *, is_seen):
 def test_all_its_messages_have_one_stamp_and_its_optical_frame(place, namespace, prefix):
     simulation = place(namespace=namespace)
     messages = look(simulation, namespace.rstrip("/"))
-
     assert len(messages) == 8
     headers = [message.header for message in messages.values()]
     assert {header.frame_id for header in headers} == {f"{prefix}camera_depth_optical_frame"}
@@ -216,9 +207,7 @@ def test_it_moves_with_the_robot(place, twist):
     for _ in range(960):
         simulation.step()
     simulation.select(lambda _: Subscribers.KNOWN)
-
     depth = metres(look(simulation))
-
     driven = simulation.robots[0].state(0).position[0]
     assert driven > 2
     assert np.abs(depth[100] - (6.0 - driven)).max() < MILLIMETRE
@@ -226,7 +215,6 @@ def test_it_moves_with_the_robot(place, twist):
 
 def test_a_turn_of_the_robot_turns_what_it_sees(place):
     depth = metres(look(place(wall(3.0), pose=Pose(yaw=math.pi))))
-
     assert np.isnan(depth[:200]).all()
 
 
@@ -238,7 +226,6 @@ def test_it_sees_another_robot_and_a_box_that_was_moved(simulate):
     )
     simulation = simulate(scene=Scene("two", objects=(crate,), robots=robots))
     before = metres(look(simulation, "/a"))
-
     # Dolly's chassis begins 0.8 m behind its axle.
     assert np.nanmin(before[row_of(0.225, 2.1), 100:320]) == pytest.approx(
         3.0 - 0.8 - EYE_X, abs=MILLIMETRE
@@ -246,7 +233,6 @@ def test_it_sees_another_robot_and_a_box_that_was_moved(simulate):
     assert np.nanmin(before[row_of(0.5, 2.7), 330:]) == pytest.approx(
         2.8 - EYE_X, abs=2 * MILLIMETRE
     )
-
     simulation.robots[1].place(Pose(5.0, 0.5))
     after = metres(look(simulation, "/a"))
     assert np.nanmin(after[row_of(0.225, 4.1), 200:320]) == pytest.approx(4.1, abs=0.002)
@@ -257,7 +243,5 @@ def test_the_robots_own_body_is_not_in_its_pictures(simulate):
     assert low.kind == "depth_camera"
     robots = (RobotPlacement(replace(PIONEER, sensors=(low,)), "/"),)
     things = (wall(2.0 - EYE_X),)
-
     depth = metres(look(simulate(scene=Scene("low", objects=things, robots=robots))))
-
     assert np.abs(depth[:230] - 2.0).max() < MILLIMETRE

@@ -71,7 +71,6 @@ def test_two_processes_publish_bitwise_the_same():
         for seed in ("1", "2")
     ]
     results = [process.communicate(timeout=60) for process in processes]
-
     # Nothing of the engine's own chatter is in between, either.
     assert [error for _, error in results] == ["", ""]
     assert results[0][0] == results[1][0]

@@ -67,9 +67,7 @@ def pushed(thing, engine):
 def test_robots_drive_alike_in_each_world(world, forward, turn_rate, monkeypatch):
     scene = read_scene(*find_world(world))
     monkeypatch.setattr(fleet, "_MARGIN", math.inf)  # so that the engine moves them all the time
-
     bullet, mujoco = (driven(scene, engine, forward, turn_rate) for engine in ENGINES)
-
     for one, other in zip(chain(*bullet), chain(*mujoco), strict=True):
         assert math.dist(one.position, other.position) < 0.001
         assert math.dist(one.velocity, other.velocity) < 0.001
@@ -89,7 +87,6 @@ def test_robots_drive_alike_in_each_world(world, forward, turn_rate, monkeypatch
 )
 def test_what_is_pushed_comes_as_far(thing):
     (robot, ahead), (other_robot, other_ahead) = (pushed(thing, engine) for engine in ENGINES)
-
     assert other_robot == pytest.approx(robot, rel=0.01)
     assert other_ahead == pytest.approx(ahead, rel=0.01)
 
@@ -97,10 +94,8 @@ def test_what_is_pushed_comes_as_far(thing):
 @both
 def test_a_ball_that_is_hit_rolls_on_before_the_robot():
     ball = SceneObject("ball", (Part(Sphere(0.2)),), Pose(1.5, 0, 0.2), 2.0)
-
     for engine in ENGINES:
         robot, ahead = pushed(ball, engine)
-
         assert ahead - robot > HUSKY.body.base_height
 
 
@@ -109,10 +104,8 @@ def test_the_option_beats_the_variable_which_beats_what_is_installed(monkeypatch
     monkeypatch.setattr(engines, "find_spec", lambda name: name in installed or None)
     monkeypatch.delenv("LCMTOOLS_ENGINE", raising=False)
     assert chosen_engine() == "bullet"
-
     monkeypatch.setenv("LCMTOOLS_ENGINE", "mujoco")
     assert (chosen_engine(), chosen_engine("bullet")) == ("mujoco", "bullet")
-
     monkeypatch.delenv("LCMTOOLS_ENGINE")
     installed.remove("pybullet")
     assert chosen_engine() == "mujoco"
@@ -153,7 +146,6 @@ def test_bodies_keep_their_motion_when_others_come_and_go():
                     simulation.remove(simulation.robots[0])
                     simulation.add(RobotPlacement(HUSKY, "/late", Pose(0, 9)))
             steps = [after - before for before, after in pairwise(ways)]
-
             assert steps == pytest.approx([0.5] * 3, abs=0.01)
 
 
@@ -179,7 +171,6 @@ def test_mujoco_has_memory_for_more_contacts_than_it_expects_of_so_few_bodies(
         SceneObject(f"layer{i}", tuple(bricks), Pose(0, 0, 0.05 + i / 10), 50.0) for i in range(5)
     )
     scene = Scene("layers", objects=tuple(layers))
-
     with Simulation(scene, engine="mujoco") as simulation:
         simulation.step()
         assert simulation._world._engine._data.ncon == 5 * 400 * 4
@@ -204,7 +195,6 @@ def test_a_warning_of_mujoco_is_told_once_a_kind_and_not_in_a_file(tmp_path, mon
             mujoco.mj_checkPos(engine._model, engine._data)
             told += simulation.warnings()
             simulation.add(RobotPlacement(HUSKY, f"/h{number}", Pose(0, 5 + 5 * number)))
-
     (line,) = told
     assert line.startswith("MuJoCo: Nan, Inf or huge value in QPOS at DOF 0.")
     assert [*tmp_path.iterdir()] == []
@@ -215,7 +205,6 @@ def test_robots_that_come_and_go_leave_no_shapes_in_bullet(monkeypatch):
     with Simulation(Scene("one", robots=HUSKY_ALONE), engine="bullet") as simulation:
         engine = simulation._world._engine
         monkeypatch.setattr(engine, "_compound", None)  # makes one, which Bullet never gives up
-
         for _ in range(3):
             late = simulation.add(RobotPlacement(HUSKY, "/late", Pose(0, 9)))
             simulation.remove(late)

@@ -42,11 +42,9 @@ def run(given, command, seconds):
 @pytest.mark.parametrize("count", [1, 15])
 def test_it_moves_as_the_engine_would_move_it(count, command, twist, monkeypatch):
     given = scene(*(Pose(0, 20 * i, yaw=0.1 * i) for i in range(count)))
-
     free = run(given, twist(*command), 5.0)
     monkeypatch.setattr(fleet, "_MARGIN", math.inf)  # something is always near
     held = run(given, twist(*command), 5.0)
-
     for one, other in zip(free, held, strict=True):
         assert math.dist(one.position, other.position) < 1e-4
         assert math.dist(one.velocity, other.velocity) < 1e-4
@@ -56,7 +54,6 @@ def test_it_moves_as_the_engine_would_move_it(count, command, twist, monkeypatch
 def test_it_is_free_between_walls_and_held_beside_one(simulate, twist):
     simulation = simulate(box("wall", (0.2, 8, 1), Pose(5, 0, 0.5)))
     (robot,) = simulation.robots
-
     simulation.step()
     assert robot.is_free
     robot.command(twist(1.0, 0.0))
@@ -74,9 +71,7 @@ def test_robots_that_meet_stop_each_other(count, twist):
         Pose(-2, 10 * (i // 2)) if i % 2 else Pose(2, 10 * (i // 2), yaw=math.pi)
         for i in range(count)
     ]
-
     ends = run(scene(*pairs), twist(1.0, 0.0), 5.0)
-
     for one, other in zip(ends[::2], ends[1::2], strict=True):
         assert math.dist(one.position, other.position) == pytest.approx(LENGTH, abs=0.02)
 
@@ -89,9 +84,7 @@ def test_a_ball_that_is_thrown_at_a_standing_robot_hits_it(simulate):
     assert robot.is_free
     world = simulation._world
     world.set_velocity(world._objects[0][1], (10.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-
     steps(simulation, 2.0)
-
     x = robot.state(0).position[0]
     assert x > 0.05
     assert world.motion(world._objects[0][1]).position[0] < x - LENGTH / 2
@@ -100,10 +93,8 @@ def test_a_ball_that_is_thrown_at_a_standing_robot_hits_it(simulate):
 def test_a_robot_on_its_side_or_in_the_air_stays_with_the_engine(simulate):
     lying = simulate(pose=Pose(z=0.6, roll=1.5))
     falling = simulate(pose=Pose(z=2.0))
-
     steps(lying, 3.0)
     steps(falling, 0.2)
-
     assert not lying.robots[0].is_free
     assert falling.robots[0].state(0).position[2] < 2.0 + HUSKY.body.base_height
     assert not falling.robots[0].is_free
@@ -114,13 +105,11 @@ def test_nothing_is_placed_or_added_inside_a_free_robot(twist):
         simulation.robots[0].command(twist(1.0, 0.0))
         steps(simulation, 5.0)
         x = simulation.robots[0].state(0).position[0]
-
         with pytest.raises(UsageError, match="inside /r0"):
             simulation.place(simulation.robots[1], Pose(x, 0.3))
         with pytest.raises(InvalidFile, match="inside /r0"):
             simulation.add(RobotPlacement(HUSKY, "/r2", Pose(x, 0.3), where="spawn"))
         steps(simulation, 0.2)
-
         first, second = simulation.robots
         assert first.is_free
         assert second.state(0).position[0] == pytest.approx(10)
@@ -138,7 +127,6 @@ def test_a_robot_keeps_its_way_when_others_come_and_go(twist):
         steps(simulation, 1.0)
         simulation.add(RobotPlacement(HUSKY, "/new", Pose(-20, 0)))
         steps(simulation, 1.0)
-
         sixth = simulation.robots[0].state(0)
         assert yaw_of(sixth.rotation) - yaw == pytest.approx(0.6, abs=0.001)
         assert sixth.odometry_speed == pytest.approx((0.5, 0.3))
@@ -168,7 +156,6 @@ def test_sensors_of_many_robots_measure_what_each_alone_does(twist, margin, monk
     many = scene(*poses, things=(box("wall", (0.2, 200, 1), Pose(5, 60, 0.5)),))
     many = replace(many, robots=tuple(replace(robot, model=model) for robot in many.robots))
     together = samples(many)
-
     for index in (0, 2, 13):
         one = replace(many, robots=many.robots[index : index + 1])
         for topic, message in samples(one).items():
@@ -200,7 +187,6 @@ def test_sensors_measure_their_own_robot_whoever_moves_it(twist):
         drive(0.5)
         simulation.add(RobotPlacement(HUSKY, "/another", Pose(-20, 0)))
         drive(1.0)
-
     assert {free for name, free in seen if name == "/r0"} == {True, False}  # it reached its wall
     assert {free for name, free in seen if name == "/another"} >= {True}
 
@@ -210,11 +196,9 @@ def test_many_robots_in_the_engine_push_and_fall_by_arrays_as_one_by_one(twist, 
     poses = [replace(kinds[i % 3], y=10.0 * i) for i in range(15)]
     crates = [box(f"c{i}", (0.5, 0.5, 0.5), Pose(1.5, 10 * i, 0.25), mass=20) for i in range(15)]
     given = scene(*poses, things=tuple(crates))
-
     by_arrays = run(given, twist(0.5, 0.2), 4.0)
     monkeypatch.setattr(fleet, "_MANY", math.inf)
     one_by_one = run(given, twist(0.5, 0.2), 4.0)
-
     for robot, other in zip(by_arrays, one_by_one, strict=True):
         assert math.dist(robot.position, other.position) < 1e-3
         assert math.dist(robot.velocity, other.velocity) < 1e-3
@@ -242,7 +226,6 @@ def test_a_subscriber_of_one_of_many_that_joins_late_gets_the_same_measurements(
 
     late = samples(lambda step, topic: step > 150 and topic.startswith("/r2/"))
     always = samples(lambda *_: True)
-
     assert {topic for _, topic in late} >= {"/r2/scan", "/r2/odometry", "/r2/ground_truth"}
     assert {key: always[key] for key in late} == late
 

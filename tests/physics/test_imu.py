@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fixtures.simulations import messages_on
 
-from lcmtools.types.sensor_msgs import Imu
 from lcmtools_sim.geometry import Pose
 from lcmtools_sim.robots.husky import HUSKY
 from lcmtools_sim.scene import RobotPlacement, Scene, box
@@ -35,15 +35,6 @@ def place(simulate):
     return make
 
 
-def measure(simulation, seconds):
-    messages = []
-    for _ in range(round(seconds * 240)):
-        (message,) = [s.message for s in simulation.step() if s.topic == "/h/imu"]
-        assert isinstance(message, Imu)
-        messages.append(message)
-    return messages
-
-
 def xyz(vector):
     return vector.x, vector.y, vector.z
 
@@ -54,15 +45,14 @@ def felt(message):
 
 @pytest.mark.parametrize("gravity", [9.81, 1.62])
 def test_at_rest_it_feels_what_holds_it_up_and_no_turning(place, gravity):
-    message = measure(place(gravity=gravity), 1.0)[-1]
-
+    message = messages_on("/h/imu", place(gravity=gravity), 1.0)[-1]
     assert felt(message) == pytest.approx((0, 0, gravity), abs=0.01)
     assert xyz(message.angular_velocity) == pytest.approx((0, 0, 0), abs=1e-6)
     assert message.header.frame_id == "h/imu_link"
 
 
 def test_it_starts_at_rest_and_does_not_fall_onto_the_ground_first(place):
-    for message in measure(place(), 0.1):
+    for message in messages_on("/h/imu", place(), 0.1):
         assert felt(message) == pytest.approx((0.0, 0.0, G), abs=0.01)
 
 
@@ -75,9 +65,7 @@ def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(simulate, gravity):
     start = Pose(z=top, pitch=tilt)
     robot = RobotPlacement(replace(HUSKY, sensors=(mount,)), "/h", start)
     scene = Scene("slope", gravity=gravity, objects=(ramp,), robots=(robot,))
-
-    message = measure(simulate(scene=scene), 2.0)[-1]
-
+    message = messages_on("/h/imu", simulate(scene=scene), 2.0)[-1]
     expected = -gravity * math.sin(tilt), 0.0, gravity * math.cos(tilt)
     assert felt(message) == pytest.approx(expected, abs=0.002)
     assert xyz(message.angular_velocity) == pytest.approx((0, 0, 0), abs=1e-3)
@@ -93,18 +81,17 @@ def test_on_a_slope_it_feels_the_same_along_its_tilted_axes(simulate, gravity):
     ],
 )
 def test_a_turned_sensor_feels_it_along_its_own_axes(place, turned, expected):
-    assert felt(measure(place(turned), 1.0)[-1]) == pytest.approx(expected, abs=0.01)
+    assert felt(messages_on("/h/imu", place(turned), 1.0)[-1]) == pytest.approx(expected, abs=0.01)
 
 
 def test_speeding_up_is_felt_forward_and_braking_backward(place, twist):
     simulation = place()
     simulation.robots[0].command(twist(1.0, 0.0))
-    faster = measure(simulation, 0.1)[-1]
-    measure(simulation, 2.0)
-    steady = measure(simulation, 0.1)[-1]
+    faster = messages_on("/h/imu", simulation, 0.1)[-1]
+    messages_on("/h/imu", simulation, 2.0)
+    steady = messages_on("/h/imu", simulation, 0.1)[-1]
     simulation.robots[0].command(twist(0.0, 0.0))
-    slower = measure(simulation, 0.1)[-1]
-
+    slower = messages_on("/h/imu", simulation, 0.1)[-1]
     assert felt(faster) == pytest.approx((3.0, 0, G), abs=0.05)
     assert felt(steady) == pytest.approx((0, 0, G), abs=0.02)
     assert felt(slower) == pytest.approx((-3.0, 0, G), abs=0.05)
@@ -118,10 +105,8 @@ def test_on_a_circle_it_feels_the_centripetal_acceleration_of_where_it_is(
     x, y = lever
     simulation = place(Pose(x, y, 0.2))
     simulation.robots[0].command(twist(forward, turn_rate))
-    measure(simulation, 2.0)
-
-    messages = measure(simulation, 1.0)
-
+    messages_on("/h/imu", simulation, 2.0)
+    messages = messages_on("/h/imu", simulation, 1.0)
     mean = np.mean([felt(message) for message in messages], axis=0)
     expected = (-(turn_rate**2) * x, forward * turn_rate - turn_rate**2 * y, G)
     assert mean == pytest.approx(expected, abs=0.01 * max(1.0, abs(forward * turn_rate)))
@@ -131,9 +116,7 @@ def test_on_a_circle_it_feels_the_centripetal_acceleration_of_where_it_is(
 def test_beginning_to_turn_is_felt_across_a_lever(place, twist):
     simulation = place(Pose(0.4, 0.0, 0.0))
     simulation.robots[0].command(twist(0.0, 2.0))
-
-    messages = measure(simulation, 0.2)
-
+    messages = messages_on("/h/imu", simulation, 0.2)
     rates = [message.angular_velocity.z for message in messages]
     euler = (rates[24] - rates[23]) * 240 * 0.4
     assert euler > 1.0
@@ -141,22 +124,19 @@ def test_beginning_to_turn_is_felt_across_a_lever(place, twist):
 
 
 def test_the_orientation_is_that_of_the_sensor_in_the_world(place):
-    message = measure(place(Pose(yaw=0.5), Pose(3, 4, 0, yaw=0.7)), 0.5)[-1]
-
+    message = messages_on("/h/imu", place(Pose(yaw=0.5), Pose(3, 4, 0, yaw=0.7)), 0.5)[-1]
     turned = message.orientation
     assert (turned.x, turned.y) == pytest.approx((0, 0), abs=1e-4)
     assert 2 * math.atan2(turned.z, turned.w) == pytest.approx(1.2, abs=1e-4)
 
 
 def test_falling_it_feels_nothing(place):
-    message = measure(place(start=Pose(0, 0, 5)), 0.5)[-1]
-
+    message = messages_on("/h/imu", place(start=Pose(0, 0, 5)), 0.5)[-1]
     assert felt(message) == pytest.approx((0, 0, 0), abs=0.01)
 
 
 def test_its_noise_has_the_deviations_that_are_asked_for_and_says_them(place):
-    messages = measure(place(settings=ImuSettings(0.02, 0.3)), 10.0)[240:]
-
+    messages = messages_on("/h/imu", place(settings=ImuSettings(0.02, 0.3)), 10.0)[240:]
     accelerations = np.array([felt(message) for message in messages]) - (0, 0, G)
     rates = np.array([xyz(message.angular_velocity) for message in messages])
     assert accelerations.std(axis=0) == pytest.approx([0.3] * 3, rel=0.06)

@@ -45,7 +45,6 @@ def world(simulate):
 
 def test_the_scan_says_what_dollys_laser_is(world):
     message = scan(world())
-
     assert len(message.ranges) == 200
     assert (message.angle_min, message.angle_max) == (-1.0, 1.0)
     assert message.angle_increment == pytest.approx(2 / 199)
@@ -63,7 +62,6 @@ def test_nothing_in_range_is_infinitely_far(world):
 def test_a_flat_wall_is_at_its_distance_along_every_ray(world, yaw):
     wall = box("wall", (0.2, 40, 2), Pose(4.1, 0, 1))
     message = scan(world(wall, pose=Pose(0, 0, 0, yaw=yaw)))
-
     eye = LASER_X * math.cos(yaw)
     heading = angles(message) + yaw
     expected = (4.0 - eye) / np.cos(heading)
@@ -76,7 +74,6 @@ def test_a_flat_wall_is_at_its_distance_along_every_ray(world, yaw):
 def test_a_post_is_seen_as_a_circle(world):
     post = SceneObject("post", (Part(Cylinder(0.3, 2.0)),), Pose(3.2, 0.5, 1.0))
     message = scan(world(post))
-
     heading, ranges = angles(message), np.array(message.ranges)
     hit = np.isfinite(ranges)
     x, y = LASER_X + ranges * np.cos(heading), ranges * np.sin(heading)
@@ -106,9 +103,7 @@ def test_noise_has_the_deviation_that_is_asked_for_and_repeats_with_the_seed(wor
     laser = replace(DOLLY.sensors[1], settings=LaserSettings(1000, -0.5, 0.5, 0.05, 10, noise=0.03))
     model = replace(DOLLY, sensors=(laser,))
     wall = box("wall", (0.2, 40, 2), Pose(4.1, 0, 1))
-
     first, again = (scan(world(wall, model=model)) for _ in range(2))
-
     error = np.array(first.ranges) - (4.0 - LASER_X) / np.cos(angles(first))
     assert error.std() == pytest.approx(0.03, rel=0.1)
     assert abs(error.mean()) < 0.004
@@ -121,7 +116,6 @@ def test_two_lasers_have_noise_of_their_own(simulate):
     wall = box("wall", (0.2, 90, 2), Pose(4.1, 0, 1))
     robots = (RobotPlacement(model, "/a"), RobotPlacement(model, "/b", Pose(0, 20)))
     simulation = simulate(scene=Scene("two", objects=(wall,), robots=robots))
-
     assert scan(simulation, "/a/laser_scan").ranges != scan(simulation, "/b/laser_scan").ranges
 
 
@@ -132,9 +126,7 @@ def test_a_laser_within_the_robots_body_sees_through_it_and_not_other_robots(sim
     husky = replace(HUSKY, sensors=(laser,))
     robots = (RobotPlacement(husky, "/a"), RobotPlacement(husky, "/b", Pose(3, 0)))
     simulation = simulate(scene=Scene("two", robots=robots))
-
     ranges = scan(simulation, "/a/scan").ranges
-
     front = 3 - HUSKY.body.parts[0].shape.size[0] / 2
     assert ranges[180] == pytest.approx(front, abs=TOLERANCE)
     assert [value for value in ranges if value < front - TOLERANCE] == []
@@ -146,6 +138,5 @@ def test_a_pushed_thing_is_seen_where_it_is(world):
     simulation = world(crate)
     before = scan(simulation).ranges[100]
     simulation.reset()
-
     assert before == pytest.approx(2.0 - LASER_X, abs=0.005)
     assert scan(simulation).ranges[100] == before

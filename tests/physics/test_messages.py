@@ -39,7 +39,6 @@ def stamps(message):
 
 def test_rates_are_exact_over_ten_seconds(simulate):
     steps = run(simulate(), 10.0)
-
     assert Counter(sample.topic for samples in steps for sample in samples) == {
         "/clock": 500,
         "/husky0/odometry": 500,
@@ -56,7 +55,6 @@ def test_each_sensor_keeps_its_own_rate_and_none_comes_twice_a_step(simulate, dt
     mounts = tuple(SensorMount("odometry", f"at{rate}", rate) for rate in rates)
     robot = RobotPlacement(replace(HUSKY, sensors=mounts), "/h")
     steps = run(simulate(scene=Scene("rates", dt=dt, robots=(robot,))), 10.0)
-
     found = Counter(sample.topic for samples in steps for sample in samples)
     assert {topic: count for topic, count in found.items() if topic != "/clock"} == {
         f"/h/at{rate}": min(rate * 10, len(steps)) for rate in rates
@@ -71,7 +69,6 @@ def test_a_robot_that_comes_later_keeps_the_rates_and_leaves_the_others_alone(si
     late = simulation.add(RobotPlacement(HUSKY, "/late", Pose(0, 5)))
     counts = Counter(s.topic for samples in run(simulation, 2.0) for s in samples)
     assert counts["/late/odometry"] == counts["/husky0/odometry"] == 100
-
     simulation.remove(late)
     counts = Counter(s.topic for samples in run(simulation, 2.0) for s in samples)
     assert counts["/late/odometry"] == 0
@@ -87,9 +84,7 @@ def test_topics_without_subscribers_are_not_measured_but_for_those_that_are_alwa
     robot = RobotPlacement(replace(HUSKY, sensors=mounts), "/h")
     simulation = simulate(scene=Scene("heard", robots=(robot,)))
     simulation.select(lambda topic: Subscribers.KNOWN if topic == "/h/imu" else Subscribers.NONE)
-
     topics = {sample.topic for samples in run(simulation, 1.0) for sample in samples}
-
     assert topics == {"/h/imu", "/h/truth"}
 
 
@@ -98,16 +93,13 @@ def test_without_subscribers_nothing_is_sent(simulate):
     robot = RobotPlacement(replace(HUSKY, sensors=(fast,)), "/h")
     simulation = simulate(scene=Scene("unheard", robots=(robot,)))
     simulation.select(lambda _: Subscribers.NONE)
-
     assert [samples for samples in run(simulation, 1.0) if samples] == []
 
 
 def test_a_clock_that_alone_is_subscribed_ticks_at_its_least_rate(simulate):
     simulation = simulate()
     simulation.select(lambda topic: Subscribers.KNOWN if topic == "/clock" else Subscribers.NONE)
-
     topics = [sample.topic for samples in run(simulation, 1.0) for sample in samples]
-
     assert topics == ["/clock"] * 50
 
 
@@ -124,9 +116,7 @@ def test_topics_and_types_are_known_before_the_first_step(simulate):
 
 def test_a_robot_in_the_root_namespace_has_plain_topics_and_frames(simulate):
     simulation = simulate(scene=Scene("root", robots=(RobotPlacement(HUSKY, "/"),)))
-
     odometry = last(run(simulation, 0.1), "/odometry").message
-
     assert isinstance(odometry, Odometry)
     assert (odometry.header.frame_id, odometry.child_frame_id) == ("odom", "base_link")
 
@@ -143,7 +133,6 @@ def test_all_messages_of_a_step_carry_its_time(simulate):
 
 def test_the_clock_is_never_behind_a_stamp(simulate):
     simulation = simulate(scene=Scene("fine", dt=0.003, robots=(RobotPlacement(HUSKY, "/a"),)))
-
     for samples in run(simulation, 1.0):
         assert not samples or samples[0].topic == "/clock"
 
@@ -151,9 +140,7 @@ def test_the_clock_is_never_behind_a_stamp(simulate):
 def test_odometry_says_pose_twist_frames_and_covariances(simulate, twist):
     simulation = simulate(pose=Pose(1, 2, 0, yaw=1.0))
     simulation.robots[0].command(twist(0.5, 0.3))
-
     message = last(run(simulation, 4.0), "/husky0/odometry").message
-
     assert isinstance(message, Odometry)
     assert message.header.frame_id == "husky0/odom"
     assert message.child_frame_id == "husky0/base_link"
@@ -171,9 +158,7 @@ def test_odometry_says_pose_twist_frames_and_covariances(simulate, twist):
 def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(simulate, effort):
     simulation = simulate(pose=Pose(1, 2, 0, yaw=math.pi / 2))
     simulation.robots[0].command(effort(1, 1))
-
     message = last(run(simulation, 3.0), "/husky0/ground_truth").message
-
     assert isinstance(message, Odometry)
     assert (message.header.frame_id, message.child_frame_id) == ("world", "husky0/base_link")
     position = message.pose.pose.position
@@ -186,9 +171,7 @@ def test_ground_truth_is_in_the_world_and_its_twist_in_the_robot(simulate, effor
 def test_wheel_velocities_are_left_then_right(simulate, effort):
     simulation = simulate()
     simulation.robots[0].command(effort(0.5, 1.0))
-
     message = last(run(simulation, 3.0), "/husky0/wheel_velocities").message
-
     assert isinstance(message, JointState)
     assert message.header.frame_id == "husky0/base_link"
     assert message.name == ["left", "right"]
@@ -214,11 +197,9 @@ def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(simulate, effo
     run(simulation, 2.0)
     message = JointState()
     message.effort = bad
-
     with pytest.raises(ValueMismatch):
         robot.command(message)
     run(simulation, 1.0)
-
     state = robot.state(simulation.time)
     assert all(map(math.isfinite, (*state.position, *state.velocity, *state.odometry_pose)))
     assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
@@ -227,9 +208,7 @@ def test_a_bad_command_changes_nothing_and_the_robot_stays_finite(simulate, effo
 def test_absurdly_large_commands_are_obeyed_within_the_limits(simulate, twist):
     simulation = simulate()
     simulation.robots[0].command(twist(1e308, -1e308))
-
     run(simulation, 3.0)
-
     state = simulation.robots[0].state(simulation.time)
     assert state.velocity[0] == pytest.approx(1.0, rel=0.02)
     assert state.angular_velocity[2] == pytest.approx(-1.0, rel=0.02)

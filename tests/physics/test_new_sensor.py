@@ -93,9 +93,7 @@ def samples(simulation, kind):
 
 def test_a_world_file_may_mount_it_and_it_measures(simulate):
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar, pose: [0.5, 0, 0]}}]", "y.yaml"))
-
     ranges = samples(simulation, Range)
-
     assert simulation.topics()["/husky0/sonar"] is Range
     assert len(ranges) == 20
     assert [one.range for one in ranges] == pytest.approx([1.4] * 20, abs=TOLERANCE)
@@ -120,7 +118,6 @@ MISTAKES = {
 def test_mistakes_in_its_settings_are_refused_with_their_line(sensors):
     with pytest.raises(InvalidFile) as caught:
         read_scene(f"{YARD}{sensors}", "yard.yaml")
-
     assert str(caught.value) == f"yard.yaml:7: {MISTAKES[sensors]}"
 
 
@@ -128,7 +125,6 @@ def test_mistakes_in_its_settings_are_refused_with_their_line(sensors):
 def test_only_kinds_with_the_same_axes_may_share_a_frame(monkeypatch, *, is_optical):
     monkeypatch.setitem(SENSORS, "sonar", replace(SONAR, is_optical=is_optical))
     text = f"{YARD}[{{type: camera, frame: eye}}, {{type: sonar, frame: eye}}]"
-
     if is_optical:
         assert read_scene(text, "yard.yaml").robots[0].model.sensors[-1].frame == "eye"
     else:
@@ -140,9 +136,7 @@ def test_only_kinds_with_the_same_axes_may_share_a_frame(monkeypatch, *, is_opti
 def test_a_kind_that_needs_frames_is_made_after_the_others(simulate, monkeypatch, *, needs_frames):
     monkeypatch.setitem(SENSORS, "sonar", replace(SONAR, needs_frames=needs_frames))
     simulation = simulate(scene=read_scene(f"{YARD}[{{type: sonar}}]", "yard.yaml"))
-
     (message, *_) = samples(simulation, TFMessage)
-
     frames = {one.child_frame_id for one in message.transforms}
     assert ("husky0/sonar" in frames) is not needs_frames
 
@@ -151,7 +145,6 @@ def test_a_kind_that_needs_frames_is_made_after_the_others(simulate, monkeypatch
 def test_its_settings_may_disturb_the_encoders(simulate, settings):
     text = f"{YARD}[{{type: sonar{settings}}}]"
     (robot,) = simulate(scene=read_scene(text, "yard.yaml")).robots
-
     assert (robot.vehicles.noise > 0) is bool(settings)
 
 

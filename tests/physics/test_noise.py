@@ -67,7 +67,6 @@ def test_one_seed_gives_the_same_bytes_and_another_gives_others(messages, kind):
     first, again, other = (
         [encode(message) for message in messages(NOISY[kind], 0.5, seed=seed)] for seed in (7, 7, 8)
     )
-
     assert first == again
     assert len(first) == len(other) > 4
     assert first != other
@@ -85,7 +84,6 @@ def test_a_subscriber_that_joins_late_gets_the_same_measurements(simulate, twist
         return [s.payload for step in steps for s in step if s.topic.startswith("/h0/s")]
 
     joined, all_the_time = payloads(late=True), payloads(late=False)
-
     assert len(joined) > 3
     assert joined == all_the_time
 
@@ -96,7 +94,6 @@ def test_without_noise_the_seed_does_not_matter(messages, kind):
     first, other = (
         [encode(message) for message in messages(mount, 0.3, seed=seed)] for seed in (7, 8)
     )
-
     assert first == other
 
 
@@ -116,7 +113,6 @@ def test_encoders_drift_from_the_way_like_a_random_walk(simulate, twist):
         x, y, yaw = state.odometry_pose
         ways.append(math.hypot(x, y) - state.position[0])
         headings.append(yaw)
-
     spread = 0.01 * math.sqrt(5)
     assert np.std(headings) == pytest.approx(spread * math.sqrt(2) / HUSKY.drive.track, rel=0.35)
     assert np.std(ways) == pytest.approx(spread / math.sqrt(2), rel=0.35)
@@ -133,7 +129,6 @@ def test_encoders_at_rest_do_not_drift_and_the_robot_drives_as_without_noise(sim
         simulation.robots[0].command(twist(0.3, 1.0))
         for _ in range(480):
             simulation.step()
-
     first, second = (simulation.robots[0].state(0) for simulation in (noisy, exact))
     assert first.position == second.position
     assert first.odometry_pose != second.odometry_pose
@@ -199,6 +194,5 @@ def test_noise_does_not_depend_on_who_listens_to_other_sensors(simulate, twist):
 
 def test_the_covariance_of_the_truth_is_that_of_its_noise(messages):
     (first, *_) = messages(NOISY["ground_truth"], 0.1)
-
     diagonal = [*first.pose.covariance][::7]
     assert diagonal == pytest.approx([0.05**2, 0.05**2, 0.05**2, 0, 0, 0.02**2])

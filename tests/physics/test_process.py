@@ -63,7 +63,6 @@ def spin_until(node, done):
 
 def wait_for_start(process):
     """The line that it says when it is on the bus."""
-    assert process.stderr is not None
     return process.stderr.readline()
 
 
@@ -71,10 +70,8 @@ def wait_for_start(process):
 def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(start, number, stopwatch):
     process = start()
     line = wait_for_start(process)
-
     watch = stopwatch(process.pid)
     process.send_signal(number)
-
     assert watch.until_end() < 1.0
     out, error = process.communicate(timeout=40)
     assert (process.returncode, out, error) == (0, "", "")
@@ -86,10 +83,8 @@ def test_it_ends_on_a_signal_within_a_second_quietly_and_with_0(start, number, s
 def test_it_ends_after_its_duration_and_not_before(start):
     """Not after either, but for what the computer delays: see Pacer's tests, and bench/sim.py."""
     begun = time.monotonic()
-
     process = start("--duration", "2")
     process.communicate(timeout=100)
-
     assert process.returncode == 0
     assert time.monotonic() - begun > 2.0
 
@@ -107,7 +102,6 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start, node):
     good = node.create_publisher(JointState, "/husky0/wheel_cmd")
     good.publish(command)
     spin_until(node, lambda: speeds[-1] > 0.98)
-
     command.effort = [float("nan"), 1.0]
     for _ in range(3):
         good.publish(command)
@@ -116,7 +110,6 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start, node):
     spin_until(node, lambda: len(speeds) > count + 20)
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=40)
-
     assert speeds[-1] == pytest.approx(1.0, rel=0.02)
     assert process.returncode == 0
     # A busy computer may be too slow for the rate, which is a warning too.
@@ -146,7 +139,6 @@ def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(s
     spin_until(node, lambda: publish_until_heard(6))
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=40)
-
     ignored = [log for log in logs if "command ignored: unknown wheel 'l'; known names:" in log]
     reduced = [log for log in logs if "command reduced: effort[0] is 5, the limit 1" in log]
     for lines in (ignored, reduced):
@@ -173,7 +165,6 @@ def test_after_requested_steps_the_clock_shows_the_time_that_is_answered(start, 
 def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(start, tmp_path):
     world = tmp_path / "bad.yaml"
     world.write_text("robots:\n- {model: husky, namespace: a}\nobjekts: []\n")
-
     for arguments, reason in (
         ([str(world)], f"{world}:3: unknown key 'objekts' in 'world'; did you mean objects?"),
         (["--rate", "x"], "argument --rate: must be times real time, 0 or more, not 'x'; "),
@@ -189,10 +180,8 @@ def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_
     (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
     path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
     environment = {"PYTHONPATH": path, "LCMTOOLS_ENGINE": "bullet"}
-
     process = start(environment=environment)
     out, error = process.communicate(timeout=40)
-
     assert (process.returncode, out, error.count("\n")) == (3, "", 1)
     assert error.startswith(
         "lcmtools run sim: the engine bullet cannot be imported: not here; type: pip install"
@@ -244,13 +233,11 @@ def test_a_leader_is_never_more_than_a_step_ahead_of_a_follower(start, node):
     request.steps = 3
     reached = step.call(request, 5.0).time
     spin_until(node, lambda: time_of(node, "/sim_husky1", "husky1") == reached)
-
     fleet.follower.send_signal(signal.SIGSTOP)
     with pytest.raises(ServiceTimeout):
         step.call(request, 1.5)
     assert time_of(node, "/sim", "husky0") == pytest.approx(reached + 1e9 / 240, abs=1)
     fleet.follower.send_signal(signal.SIGCONT)
-
     for simulator, robot in (("/sim", "husky0"), ("/sim_husky1", "husky1")):
         spin_until(node, lambda: time_of(node, simulator, robot) >= reached + 2.9e9 / 240)  # noqa: B023 - called here
     assert fleet.leader.poll() is None
@@ -268,9 +255,7 @@ def test_a_followers_end_is_told_once_and_lets_the_leader_go_on(start, node, num
     fleet = Fleet(start, node)
     told = []
     node.create_subscription(Log, "/rosout", lambda log: told.append(log.msg))
-
     fleet.follower.send_signal(number)  # and is not waited for: a zombie has ended
-
     spin_until(node, lambda: any("has ended" in text for text in told))
     assert fleet.later(0.5)
     assert fleet.later(0.5)

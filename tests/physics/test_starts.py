@@ -28,9 +28,7 @@ def yard(tmp_path):
 
 def test_two_robots_that_start_inside_one_another_are_a_mistake_in_the_file(yard, capsys):
     yard.write_text(ROBOTS)
-
     assert main(["--check", str(yard)]) == 2
-
     captured = capsys.readouterr()
     assert captured.out == ""
     told = f"lcmtools run sim: {yard}:3: the husky /b starts 0.25 m inside /a; change its pose\n"
@@ -39,9 +37,7 @@ def test_two_robots_that_start_inside_one_another_are_a_mistake_in_the_file(yard
 
 def test_movable_objects_that_start_inside_something_are_warned_of_and_others_not(yard, capsys):
     yard.write_text(THINGS)
-
     assert main(["--check", str(yard)]) == 0
-
     lines = capsys.readouterr().err.splitlines()
     assert lines == [
         f"lcmtools run sim: {yard}:{line}: {fault}, and is thrown out of it"
@@ -56,9 +52,7 @@ def test_without_an_engine_the_rest_is_checked_and_that_is_said(yard, capsys, mo
     for package in ("pybullet", "mujoco"):
         monkeypatch.setitem(sys.modules, package, None)
     yard.write_text(ROBOTS)
-
     assert main(["--check", str(yard)]) == 0
-
     captured = capsys.readouterr()
     assert captured.out == f"{yard}: ok, husky /a, husky /b; 0 objects\n"
     assert captured.err.count("\n") == 1
@@ -68,5 +62,4 @@ def test_without_an_engine_the_rest_is_checked_and_that_is_said(yard, capsys, mo
 @pytest.mark.parametrize("option", ["--check", "--print-world"])
 def test_an_empty_name_is_no_world_and_starts_nothing(option, capsys):
     assert main([option, ""]) == 2
-
     assert capsys.readouterr().err.startswith("lcmtools run sim: there is no world ''")

@@ -65,7 +65,6 @@ def test_odom_to_base_link_is_what_odometry_says(driving, model):
 def test_every_sensor_with_a_place_hangs_on_base_link(driving, model, namespace, prefix):
     simulation = driving(model, namespace)
     samples = [sample for _ in range(24) for sample in simulation.step()]
-
     message = next(s.message for s in samples if s.topic == "/tf")
     _, *mounted = message.transforms
     assert {t.header.frame_id for t in mounted} == {f"{prefix}base_link"}
@@ -81,7 +80,6 @@ def test_every_sensor_with_a_place_hangs_on_base_link(driving, model, namespace,
 def test_an_optical_frame_looks_forward(driving):
     simulation = driving("pioneer")
     samples = [sample for _ in range(24) for sample in simulation.step()]
-
     message = next(s.message for s in samples if s.topic == "/tf")
     turned = message.transforms[1].transform.rotation
     assert (turned.x, turned.y, turned.z, turned.w) == pytest.approx((-0.5, 0.5, -0.5, 0.5))
@@ -98,9 +96,7 @@ def test_two_sensors_at_two_places_have_two_frames(simulate):
     )
     robots = (RobotPlacement(replace(MODELS["husky"], sensors=mounts), "/r0"),)
     simulation = simulate(scene=Scene("tf", robots=robots))
-
     samples = {s.topic: s.message for _ in range(24) for s in simulation.step()}
-
     told = {t.child_frame_id: t.transform.translation for t in samples["/tf"].transforms[1:]}
     where = {topic: told[samples[topic].header.frame_id] for topic in samples if "can" in topic}
     assert {topic: place.x for topic, place in where.items()} == {
@@ -117,8 +113,6 @@ def test_a_sensor_that_a_world_file_adds_hangs_on_base_link_too(simulate):
     text = """robots:
       - {model: husky, namespace: /r0, sensors: [{type: laser, topic: scan, pose: [0.4, 0, 0]}]}"""
     simulation = simulate(scene=read_scene(text, "scan.yaml"))
-
     samples = {s.topic: s.message for _ in range(24) for s in simulation.step()}
-
     told = {t.child_frame_id: t.transform.translation for t in samples["/tf"].transforms}
     assert told[samples["/r0/scan"].header.frame_id].x == 0.4

@@ -46,10 +46,8 @@ def cart(tmp_path, simulate):
 
 def test_it_stands_still_and_level_on_its_wheels(cart):
     simulation, robot = cart
-
     for _ in range(480):
         simulation.step()
-
     state = robot.state(0)
     assert state.position == pytest.approx((0.0, 0.0, 0.08), abs=1e-3)
     assert state.rotation == pytest.approx((0.0, 0.0, 0.0, 1.0), abs=1e-4)
@@ -60,12 +58,10 @@ def test_a_commanded_circle_comes_out_within_a_hundredth(cart, twist):
     robot.command(twist(0.5, 0.3))
     for _ in range(480):
         simulation.step()
-
     places = []
     for _ in range(round(2 * math.pi / 0.3 * 240)):
         simulation.step()
         places.append(robot.state(0).position)
-
     for axis in (0, 1):
         values = [place[axis] for place in places]
         assert (max(values) - min(values)) / 2 == pytest.approx(0.5 / 0.3, rel=0.01)
@@ -76,10 +72,8 @@ def test_a_commanded_circle_comes_out_within_a_hundredth(cart, twist):
 def test_it_turns_on_the_spot_about_the_middle_between_its_wheels(cart, twist):
     simulation, robot = cart
     robot.command(twist(0.0, 1.0))
-
     for _ in range(240):
         simulation.step()
-
     before = yaw_of(robot.state(0).rotation)
     for _ in range(240):
         simulation.step()
@@ -99,10 +93,8 @@ def test_a_crate_of_a_gazebo_world_can_be_pushed(tmp_path, cart, simulate, twist
     simulation = simulate(scene=replace(scene, robots=cart[0].scene.robots))
     robot = simulation.robots[0]
     robot.command(twist(0.5, 0.0))
-
     for _ in range(240 * 5):
         simulation.step()
-
     (pushed,) = robot.world.moving_parts(robot.body)
     assert robot.state(0).position[0] > 1.5
     assert pushed.position[0] > robot.state(0).position[0] + 0.2

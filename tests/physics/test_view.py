@@ -45,7 +45,6 @@ def triple(vector):
 def test_each_shape_is_a_marker_of_its_size_in_the_frame_of_its_body(simulate):
     crate = box("crate", (0.6, 0.5, 0.4), Pose(2, 3, 0.2), mass=5)
     simulation = simulate(scene=Scene("shapes", objects=(BALL, POST, crate), paths=(PATH,)))
-
     (ball,), (post,), (cube,) = (markers(simulation, name) for name in ("ball", "post", "crate"))
     assert (ball.type, triple(ball.scale)) == (Marker.SPHERE, (0.4, 0.4, 0.4))
     assert (ball.color.r, ball.color.g, ball.color.a) == (1, 0, 1)
@@ -59,7 +58,6 @@ def test_each_shape_is_a_marker_of_its_size_in_the_frame_of_its_body(simulate):
 
 def test_lines_lie_on_the_ground_and_the_ground_below_zero(simulate):
     simulation = simulate(scene=Scene("lines", paths=(PATH,)))
-
     (line,), (ground,) = markers(simulation, "/path"), markers(simulation, "ground")
     assert (line.type, line.scale.x, len(line.points)) == (Marker.LINE_STRIP, 0.05, 3)
     assert 0 < line.pose.position.z < 0.01
@@ -70,7 +68,6 @@ def test_lines_lie_on_the_ground_and_the_ground_below_zero(simulate):
 def test_the_first_marker_removes_all_and_the_others_have_numbers_of_their_own(simulate):
     simulation = simulate()
     found = world_markers(simulation.scene, simulation.robots, ()).markers
-
     assert found[0].action == Marker.DELETEALL
     assert all(marker.action == Marker.ADD for marker in found[1:])
     assert len({marker.id for marker in found}) == len(found)
@@ -81,7 +78,6 @@ def test_a_robot_is_shown_about_where_sensors_and_the_engine_have_it(simulate, m
     robots = (RobotPlacement(model, "/r"),)
     simulation = simulate(scene=Scene("robot", robots=robots))
     known = frames(simulation)
-
     shown = []
     for marker in markers(simulation, "/r"):
         parent, frame = known[marker.header.frame_id]
@@ -89,7 +85,6 @@ def test_a_robot_is_shown_about_where_sensors_and_the_engine_have_it(simulate, m
             parent, above = known[parent]
             frame = above.place(frame)
         shown.append((frame.point(triple(marker.pose.position)), triple(marker.scale)))
-
     outline = simulation.robots[0].model.body.parts
     for axis in (0, 1):
         low = min(part.position[axis] - part.extent(axis) for part in outline) - 0.06
@@ -102,7 +97,6 @@ def test_a_robot_is_shown_about_where_sensors_and_the_engine_have_it(simulate, m
 def test_a_robot_without_a_look_shows_its_shapes(simulate):
     plain = replace(DOLLY, body=replace(DOLLY.body, look=type(DOLLY.body.look)()))
     simulation = simulate(scene=Scene("plain", robots=(RobotPlacement(plain, "/r"),)))
-
     assert len(markers(simulation, "/r")) == len(DOLLY.body.parts)
 
 
@@ -112,7 +106,6 @@ def test_frames_are_the_true_ones_and_wheels_turn(simulate, twist):
     robot.command(twist(0.5, 0.3))
     for _ in range(480):
         simulation.step()
-
     known, state = frames(simulation), robot.state(simulation.time)
     parent, base = known["ground_truth/husky0/base_footprint"]
     assert parent == "world"
@@ -144,21 +137,18 @@ def test_odometry_begins_where_the_robot_was_put(simulate, twist):
     for _ in range(480):
         simulation.step()
     assert estimated() == pytest.approx(robot.frame.position[:2], abs=0.02)
-
     simulation.place(robot, Pose(-3, 2, yaw=2))
     assert estimated() == pytest.approx((-3, 2))
 
 
 def test_frames_of_a_robot_in_the_global_namespace_begin_with_no_slash(simulate):
     simulation = simulate(scene=Scene("global", robots=(RobotPlacement(PIONEER, "/"),)))
-
     assert {"ground_truth/base_footprint", "odom"} < frames(simulation).keys()
 
 
 def test_objects_with_one_name_have_frames_of_their_own(simulate):
     crates = (box("crate", (1, 1, 1), Pose(3 * i, 0, 0.5), mass=5) for i in range(3))
     simulation = simulate(scene=Scene("crates", objects=tuple(crates)))
-
     known = frames(simulation)
     assert [known[f"ground_truth/crate{end}"][1].position[0] for end in ("", "_2", "_3")] == [
         pytest.approx(x) for x in (0, 3, 6)

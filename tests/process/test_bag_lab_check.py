@@ -120,3 +120,9 @@ def test_a_drive_of_something_else_is_refused_and_what_it_lacks_is_said(check, c
     log = str(tmp_path / "drive.lcmlog")
     done = cli("lab", "check", "dolly", "--mover", command, "--bag", log)
     assert_says(done.err, f"{log} has no topic of the lab dolly")
+
+
+def test_what_keys_or_a_picture_would_show_is_not_judged(check):
+    code, failed, record = check("pioneer", _circle, "--teleop", "true", "--viewer", "true")
+    assert (code, failed, record["rows"]) == (1, {}, [])
+    assert [one["program"] for one in record["not_judged"]] == ["teleop", "viewer"]

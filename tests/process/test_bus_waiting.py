@@ -10,7 +10,6 @@ import pytest
 import lcmtools
 from lcmtools.bus import receive_right, udp_bus
 from lcmtools.bus.kernel import IS_LINUX
-from lcmtools.bus.lcm_bus import LcmBus
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.types.std_msgs import String
@@ -57,23 +56,6 @@ def test_messages_are_handled_on_the_thread_that_waits(bus, other, never):
         other.publish("a", b"x")
         receivers.wait(bus, never, count)
     assert set(receivers.threads) == {threading.get_ident()}
-
-
-@pytest.mark.usefixtures("endless_patience")
-def test_of_a_burst_few_messages_are_handled_at_a_time_but_not_of_one_without_end(never):
-    """The queue of a subscription takes ten by default; its callback runs between two waits."""
-    bus = LcmBus(parse_url("memq://"))
-    receivers = Receivers(bus)
-    bus.wait(never, 0.0)
-    for _ in range(200):
-        bus.publish("a", b"x")
-    handled = []
-    while sum(handled) < 200:
-        before = len(receivers.threads)
-        bus.wait(never, _LONG)
-        handled.append(len(receivers.threads) - before)
-    assert handled == [*[10] * 10, 100]
-    bus.close()
 
 
 def test_a_thread_that_stays_away_is_replaced(bus, other, never, wait_until):

@@ -47,7 +47,9 @@ def test_pub_beside_plain_programs_tells_how_to_reach_their_channel(
     assert ("publishes on /CMD; for the channel CMD of plain LCM" in said) is is_said
 
 
-@pytest.mark.parametrize(("options", "is_said"), [((), True), (("--domain", "9"), False)])
+@pytest.mark.parametrize(
+    ("options", "is_said"), [((), True), (("--domain", "9"), False), (("--domain=9",), False)]
+)
 @pytest.mark.parametrize("command", [("list",), ("node", "list")])
 def test_a_list_names_the_node_that_still_loads(command, options, *, is_said, cli, start):
     words = ("lcmtools", "run", "sim", *options)

@@ -57,7 +57,7 @@ def state(tell, robot):
 
 
 def test_a_paused_simulator_does_the_requested_steps_and_no_more(tell):
-    assert tell("step") == "did 1 steps, now at 0.004167 s\n"
+    assert tell("step") == "did 1 step, now at 0.004167 s\n"
     assert tell("step", "239") == "did 239 steps, now at 1.000000 s\n"
     assert state(tell, "husky0")["time"] == 1_000_000_000
     assert state(tell, "husky0")["time"] == 1_000_000_000

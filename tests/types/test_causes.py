@@ -4,6 +4,10 @@ import json
 
 import pytest
 
+from lcmtools.doctor.evidence import Evidence
+from lcmtools.doctor.rules.unchecked import unchecked
+from lcmtools.doctor.sentences import unchecked_text
+from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.messages.supply import set_supply
 from lcmtools.observe.reading.decoding import remedy_of_unknown
 from lcmtools.packages import provide_user_types
@@ -135,6 +139,21 @@ def test_no_file_is_blamed_for_an_unknown_fingerprint(types):
         "LCMTOOLS_TYPE_PATH=FOLDER adds the folder of your .lcm files;"
         " lcmtools msg build shows a broken type file"
     )
+
+
+def test_wtf_says_which_announced_types_cannot_be_used(types):
+    types({"whale_t.lcm": BROKEN, "pod_t.lcm": POD})
+    names = ("rover/pod_t", "rover/lost_t", "rover/whale_t", "std_msgs/String")
+    topics = [Endpoint(f"/{n}", Role.PUBLISHER, (name,), (n + 1,)) for n, name in enumerate(names)]
+    provide_user_types()
+    try:
+        graph = Graph((Node("/a", "1", "husky", 12, endpoints=tuple(topics)),))
+        found = list(unchecked(Evidence(url="memq://", graph=graph)))
+    finally:
+        set_supply(None)
+    assert [unchecked_text(one) for one in found] == [
+        "rover/pod_t, rover/whale_t cannot be used: lcmtools msg list says why"
+    ]
 
 
 @pytest.mark.parametrize("name", ["build", "dist"])

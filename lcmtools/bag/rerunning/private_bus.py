@@ -6,17 +6,15 @@ publish, each client's in order, without loss. Must not know logs or processes.
 """
 
 import contextlib
-import os
 import re
 import selectors
 import socket
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
-from itertools import chain
-from pathlib import Path
+from os import getpid
 from typing import NamedTuple
 
-from lcmtools.bus.processes import open_files
+from lcmtools.bus.processes import tcp_holders, was_told
 from lcmtools.wire import tcpq
 from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
@@ -75,14 +73,6 @@ class Published(NamedTuple):
     client: Client
     channel: str
     payload: bytes
-
-
-def _texts(*paths: str) -> list[str]:
-    found = [""] * len(paths)
-    for number, path in enumerate(paths):
-        with contextlib.suppress(OSError):  # another system, or the process has ended
-            found[number] = Path(path).read_text(encoding="utf-8", errors="replace")
-    return found
 
 
 class PrivateBus(AbstractContextManager["PrivateBus"]):
@@ -148,17 +138,10 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
     def _is_stranger(self, port: int) -> bool:
         """Return whether a port is of a process that was not given the URL.
 
-        One that proc(5) does not show, as in a container, is taken for a program's.
+        One that the system does not show, as in a container, is taken for a program's.
         """
-        ends = f"{port:04X} 0100007F:{self._listener.getsockname()[1]:04X} "
-        rows = (row for row in _texts("/proc/net/tcp")[0].splitlines() if ends in row)
-        sockets = {f"socket:[{row.split()[9]}]" for row in rows}
-        pids = {pid for pid, target in open_files() if target in sockets} if sockets else set()
-        texts = chain.from_iterable(
-            _texts(f"/proc/{pid}/environ", f"/proc/{pid}/cmdline") for pid in pids
-        )
-        is_given = os.getpid() in pids or any(self.url in text for text in texts)
-        return bool(pids) and not is_given
+        pids = tcp_holders(port, self._listener.getsockname()[1])
+        return bool(pids) and not any(one == getpid() or was_told(one, self.url) for one in pids)
 
     def _read(self, client: Client) -> Iterator[Published]:
         try:

@@ -134,13 +134,11 @@ class NodeHere(Programs):
 
     def __enter__(self) -> "NodeHere":
         """Make the node, and run its callbacks."""
-        before = os.environ.pop(LOCKSTEP, None)
+        os.environ[LOCKSTEP] = self._variables.get(LOCKSTEP, "")
         try:
-            os.environ.update({LOCKSTEP: self._variables.get(LOCKSTEP, "")})
             process.init(self._words, url=self._variables["LCM_DEFAULT_URL"], handle_signals=False)
         finally:
             del os.environ[LOCKSTEP]
-            os.environ.update({} if before is None else {LOCKSTEP: before})
         self._stack.callback(process.shutdown)
         with ExitStack() as stack:
             stack.callback(self._stack.close)

@@ -2,9 +2,8 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any
 
 from lcmtools.bag.contract import TopicTerms, read_contract
 from lcmtools.bag.edits import TopicChoice
@@ -14,8 +13,8 @@ from lcmtools.bag.rerunning.comparison import Compared, Tolerance, compare, part
 from lcmtools.bag.rerunning.private_bus import PrivateBus
 from lcmtools.bag.rerunning.programs import Tested, started, tested
 from lcmtools.bag.rerunning.rerun_report import Rerun
-from lcmtools.bag.rerunning.session import Run, Session, Stopped, Wishes
-from lcmtools.bag.times import LogTime, parse_time, time_window
+from lcmtools.bag.rerunning.session import Input, Manner, Run, Session, Stopped
+from lcmtools.bag.times import parse_time, time_window
 from lcmtools.bus.base import LOCKSTEP
 from lcmtools.clock import CLOCK_TOPIC, join_stamp
 from lcmtools.errors import explained
@@ -28,38 +27,6 @@ from lcmtools.observe.reading.decoding import Decoder
 from lcmtools.packages import provide_user_types
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet
-
-
-class Input(NamedTuple):
-    """A message of the log, as a function that changes the inputs gets and returns it."""
-
-    time: int  # [ns since 1970]
-    topic: str
-    message: Message
-
-
-Change: TypeAlias = Callable[[Input], Input | Iterable[Input] | None] | Mapping[str, str]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Manner:
-    """The options of a rerun."""
-
-    arguments: Sequence[str] = ()  # of a node in this process: "__ns:=/husky0"
-    inputs: Change | None = None
-    """A function that returns an input as it is, changed, at another time, several, or None to lose
-    it; or conditions as of ``bag filter`` by topics: inputs that do not meet them are lost."""
-    only: Sequence[str] = ()  # the only topics that are played; none for all
-    outputs: Sequence[str] = ()  # topics that are compared, beside those of the program
-    start: LogTime | str | None = None  # "10s", "end-1m"
-    end: LogTime | str | None = None
-    tolerance: float = 1e-9  # the largest difference of numbers that counts as none
-    relative: float = 1e-9  # the same, as a part of their size
-    delay: float = 0.1  # of stamps, and of messages against the others of their topic [s]
-    against: str | Path | None = None  # a contract with tolerances of topics and fields
-    rate: float | None = None  # in real time at this rate; None for lock-step, if possible
-    timeout: float = 10.0  # [s] without an answer after which the program hangs
-    twice: bool = False  # run it twice, and compare both runs byte for byte
 
 
 @explained
@@ -162,20 +129,18 @@ class _Rerunner:
     def _session(self, program: Tested, real_time: str) -> Run:
         """Play the log to the program, in real time if there is a reason for that."""
         start, end = self._window
-        wishes = Wishes(
-            start,
-            self._manner.timeout,
-            self._manner.only,
-            self._manner.outputs,
-            self._playlist.senders(),
-            makes_clock=CLOCK_TOPIC not in self._tracks,
-            on_time=lambda now: self._on_time((now - start) / max(1, end - start)),
-        )
         with PrivateBus() as bus:
             lockstep = {} if real_time else {LOCKSTEP: str(self._start_of_clock())}
             variables = {"LCM_DEFAULT_URL": bus.url, **lockstep}
             with started(program, variables, self._manner.arguments) as programs:
-                session = Session(bus, programs, wishes)
+                session = Session(
+                    bus,
+                    programs,
+                    self._manner,
+                    self._playlist,
+                    start,
+                    lambda now: self._on_time((now - start) / max(1, end - start)),
+                )
                 run = session.run
                 try:
                     reason = session.begin()

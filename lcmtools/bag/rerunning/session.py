@@ -8,14 +8,17 @@ before the next message of the log.
 
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
 
 from lcmtools.bag.player import Player
-from lcmtools.bag.playlist import Played
+from lcmtools.bag.playlist import Played, Playlist
 from lcmtools.bag.rerunning.comparison import Compared
 from lcmtools.bag.rerunning.private_bus import Client, PrivateBus, Published
 from lcmtools.bag.rerunning.programs import Programs
+from lcmtools.bag.times import LogTime
 from lcmtools.bus.step_bus import DONE_CHANNEL, STEP_CHANNEL
 from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.graph.common_topics import OF_EVERY_NODE
@@ -28,6 +31,7 @@ from lcmtools.graph.protocol import (
     encode_probe,
 )
 from lcmtools.messages.codec import decode, encode
+from lcmtools.messages.registry import Message
 from lcmtools.names import is_hidden
 from lcmtools.node.lockstep import DONE, STEP
 from lcmtools.node.timer import NEVER
@@ -46,6 +50,38 @@ _NOTHING = Played(0, "", b"")
 
 class Stopped(Exception):  # noqa: N818 - named for what happened
     """The programs have ended, hang, or do not begin; the argument is a sentence."""
+
+
+class Input(NamedTuple):
+    """A message of the log, as a function that changes the inputs gets and returns it."""
+
+    time: int  # [ns since 1970]
+    topic: str
+    message: Message
+
+
+Change: TypeAlias = Callable[[Input], Input | Iterable[Input] | None] | Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manner:
+    """The options of a rerun."""
+
+    arguments: Sequence[str] = ()  # of a node in this process: "__ns:=/husky0"
+    inputs: Change | None = None
+    """A function that returns an input as it is, changed, at another time, several, or None to lose
+    it; or conditions as of ``bag filter`` by topics: inputs that do not meet them are lost."""
+    only: Sequence[str] = ()  # the only topics that are played; none for all
+    outputs: Sequence[str] = ()  # topics that are compared, beside those of the program
+    start: LogTime | str | None = None  # "10s", "end-1m"
+    end: LogTime | str | None = None
+    tolerance: float = 1e-9  # the largest difference of numbers that counts as none
+    relative: float = 1e-9  # the same, as a part of their size
+    delay: float = 0.1  # of stamps, and of messages against the others of their topic [s]
+    against: str | Path | None = None  # a contract with tolerances of topics and fields
+    rate: float | None = None  # in real time at this rate; None for lock-step, if possible
+    timeout: float = 10.0  # [s] without an answer after which the program hangs
+    twice: bool = False  # run it twice, and compare both runs byte for byte
 
 
 @dataclass(slots=True)
@@ -97,34 +133,31 @@ class Run:
         return found
 
 
-@dataclass(frozen=True, slots=True)
-class Wishes:
-    """The settings of a session."""
-
-    start: int  # time of the log at which it begins [ns since 1970]
-    timeout: float = 10.0  # [s] without an answer after which programs hang
-    only: Collection[str] = ()  # the only topics that are played; none for all
-    outputs: Collection[str] = ()  # topics that are not played, beside those of the programs
-    senders: Mapping[str, Collection[str]] = field(default_factory=dict)  # of the log's topics
-    makes_clock: bool = True  # False if the log has /clock itself
-    on_time: Callable[[int], None] = lambda _: None  # called with the time in the log
-
-
 class Session:
     """One run: ``begin``, then ``lockstep`` or ``real_time``; all add to ``run``.
 
     All raise Stopped.
     """
 
-    def __init__(self, bus: PrivateBus, programs: Programs, wishes: Wishes) -> None:
-        self.run = Run(wishes.senders)
-        self._bus, self._programs, self._wishes = bus, programs, wishes
+    def __init__(
+        self,
+        bus: PrivateBus,
+        programs: Programs,
+        manner: Manner,
+        playlist: Playlist,
+        start: int,
+        on_time: Callable[[int], None],
+    ) -> None:
+        self.run = Run(playlist.senders())
+        self._bus, self._programs, self._manner = bus, programs, manner
+        self._start, self._on_time = start, on_time  # [ns since 1970]
+        self._makes_clock = all(track.topic != CLOCK_TOPIC for track in playlist.tracks)
         self._number = 0  # of the step
         self._asked: dict[Client, int] = {}  # the last step of each
         self._answers: dict[Client, int] = {}  # the last answered one
-        self._cause = wishes.start  # the time of the last input
+        self._cause = start  # the time of the last input
         self._due: dict[Client, int] = {}  # when the next timer is due [ns]
-        self._seen: set[str] = set(wishes.outputs)  # topics that are not played
+        self._seen: set[str] = set(manner.outputs)  # topics that are not played
 
     def begin(self) -> str:
         """Wait until the programs are ready; return why lock-step is not possible, or "".
@@ -135,7 +168,7 @@ class Session:
         known, own = 0, 0
         while not (self._is_ready() and time.monotonic() - quiet > QUIET):
             found = self._turn(0.05)
-            self._keep(found, self._wishes.start)
+            self._keep(found, self._start)
             now = time.monotonic()
             if self.run.unprompted:
                 return f"it published {found[-1].channel} without a message or a timer"
@@ -149,7 +182,7 @@ class Session:
             if self._asked and own >= _OWN and now - begin > _LONGEST_QUIET:
                 return "it publishes without waiting for messages (lcmtools.spin)"
             self._check_programs()
-            if now - begin > self._wishes.timeout:
+            if now - begin > self._manner.timeout:
                 raise Stopped(self._not_ready())
         self._learn()
         is_plain = len(self._asked) < len(self._bus.clients)
@@ -205,7 +238,7 @@ class Session:
             self._bus.send(client, self._frames(client, message) + step)
 
     def _not_ready(self) -> str:
-        within = f"within {self._wishes.timeout:g} s"
+        within = f"within {self._manner.timeout:g} s"
         if len(self._bus.clients) < self._programs.count:
             how = "its own LCM URL instead of LCM_DEFAULT_URL, as lcm_create(NULL) does, may be why"
             return f"the program did not connect to the bus {within}; {how}"
@@ -218,11 +251,11 @@ class Session:
             self._bus.send(client, probe)
         end = time.monotonic() + 1.0
         while time.monotonic() < end and any(not one.name for one in self._answers):
-            self._keep(self._turn(0.05), self._wishes.start)
+            self._keep(self._turn(0.05), self._start)
 
     def _run_timers(self, until: int) -> None:
         """Let the timers run that are due up to a time of the log."""
-        while self._wishes.makes_clock and (due := min(self._due.values(), default=NEVER)) <= until:
+        while self._makes_clock and (due := min(self._due.values(), default=NEVER)) <= until:
             clients = [client for client, time_ in self._due.items() if time_ == due]
             for client in clients:
                 del self._due[client]  # its answer has the next one
@@ -247,7 +280,7 @@ class Session:
         """Do a step of some clients; return what others of them subscribe to."""
         self._ask(clients, message)
         began, found = time.monotonic_ns(), list[Published]()
-        deadline = time.monotonic() + self._wishes.timeout
+        deadline = time.monotonic() + self._manner.timeout
         pending = {client for client in clients if client in self._bus.clients}
         while pending:
             new = self._turn(_TURN)
@@ -261,7 +294,7 @@ class Session:
                 self._check_programs()
                 if time.monotonic() > deadline:
                     where = f"message {self.run.inputs} ({message.topic or 'a timer'})"
-                    limit = self._wishes.timeout
+                    limit = self._manner.timeout
                     raise Stopped(f"the program hangs at {where}: no answer for {limit:g} s")
         if len(clients) > 1:
             found.sort(key=lambda one: one.client.order)
@@ -272,7 +305,7 @@ class Session:
 
     def _frames(self, client: Client, message: Played) -> bytes:
         frame = publish_frame(message.topic, message.payload) if message.topic else b""
-        if self._wishes.makes_clock and message.time and client.wants(CLOCK_TOPIC):
+        if self._makes_clock and message.time and client.wants(CLOCK_TOPIC):
             clock = Clock()
             clock.clock.sec, clock.clock.nsec = split_stamp(message.time)
             return publish_frame(CLOCK_TOPIC, encode(clock)) + frame
@@ -315,7 +348,7 @@ class Session:
             elif one.channel != CLOCK_TOPIC and len(self.run.errors) < _MOST_ERRORS:
                 line = decode(Log, one.payload)
                 if line.level >= Log.ERROR:
-                    after = (at - self._wishes.start) / NANOSECONDS
+                    after = (at - self._start) / NANOSECONDS
                     where = f"message {self.run.inputs}, at {after:.3f} s"
                     self.run.errors.append(f"{line.name}, {where}: {line.msg}")
 
@@ -323,11 +356,11 @@ class Session:
         self.run.inputs += 1
         self._cause = message.time
         self.run.input_topics.add(message.topic)
-        self._wishes.on_time(message.time)
+        self._on_time(message.time)
 
     def is_input(self, message: Played) -> bool:
         """Return whether a message of the log is played to the programs."""
-        topic, wanted = message.topic, self._wishes.only
+        topic, wanted = message.topic, self._manner.only
         if (wanted and topic not in wanted) or not self._receivers(topic):
             return False
         return topic not in self._seen or not self.run.is_own(message)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from lcmtools.bounded import count
-from lcmtools.bus.sending_thread import SendingThread
+from lcmtools.bus.base import SendingThread
 from lcmtools.wire.stamp import Origin
 
 MOST_WAITING_BYTES = 64_000  # bytes of a topic's waiting messages; a single one may always wait

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import click
+
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import LogSummary, summarize
 from lcmtools.bag.surgery import write_log
@@ -47,6 +49,21 @@ exclude_option = option(
     completer="logs:topics",
     help="Not this topic, namespace or pattern; may be repeated.",
 )
+
+
+def not_negative(otherwise: str) -> Callable[[str | float], float]:
+    """Return a parser of numbers from 0 on, for ``type=``; ``otherwise`` says what they are."""
+
+    def parse(value: str | float) -> float:
+        try:
+            number = float(value)
+        except ValueError:
+            raise click.BadParameter(f"'{value}' is not a number") from None
+        if not 0 <= number < float("inf"):
+            raise click.BadParameter(otherwise)
+        return number
+
+    return parse
 
 
 def time_option(*names: str, text: str) -> Callable[[CommandT], CommandT]:

@@ -1,9 +1,7 @@
 """``lcmtools bag play``."""
 
-import math
 from collections.abc import Callable
-
-import click
+from typing import Any
 
 from lcmtools.bag import stamps
 from lcmtools.bag.edits import TopicChoice
@@ -11,9 +9,9 @@ from lcmtools.bag.play import Manner, play
 from lcmtools.bag.player import Position
 from lcmtools.bag.player_keys import KEYS_HELP
 from lcmtools.bag.playlist import Choice
-from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
+    not_negative,
     refuse_no_files,
     stamp_option,
     topics_option,
@@ -28,15 +26,7 @@ from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.terminal import has_keys
 
-
-def _rate(value: str | float) -> float:
-    try:
-        number = float(value)
-    except ValueError:
-        raise click.BadParameter(f"'{value}' is not a number") from None
-    if not 0 <= number < float("inf"):
-        raise click.BadParameter("the rate must be positive, or 0 for as fast as possible")
-    return number
+_rate = not_negative("the rate must be positive, or 0 for as fast as possible")
 
 
 @subcommand("play", names_options, bus_options)
@@ -58,7 +48,7 @@ def _rate(value: str | float) -> float:
 )
 @window_options
 @option("-u", "--duration", type=duration, help="Play at most this much of the log.")
-@flag("-l", "--loop", help="Start again at the end.")
+@flag("-l", "--loop", "loops", help="Start again at the end.")
 @topics_option
 @exclude_option
 @stamp_option
@@ -68,31 +58,23 @@ def _rate(value: str | float) -> float:
     "-w",
     "--wait-subscribers",
     "--wait-for-subscribers",
+    "waits",
     help="Wait until a node subscribes to each topic; plain LCM programs do not count.",
 )
 @option("--max-gap", "most_gap", type=duration, help="Skip longer times without messages.")
-@flag("-p", "--pause", help="Start paused.")
+@flag("-p", "--pause", "is_paused", help="Start paused.")
 @flag("--force", help="Play even if another program publishes, or a robot would obey.")
 @flag("-q", "--quiet", help="Show no progress.")
 def command(
     files: tuple[str, ...],
     *,
-    rate: float,
-    start: LogTime | None,
-    end: LogTime | None,
-    duration: float | None,
-    loop: bool,
     wanted: tuple[str, ...],
     excluded: tuple[str, ...],
     by_stamp: bool,
     type_: str | None,
     topic: str | None,
-    clock: bool,
-    wait_subscribers: bool,
-    most_gap: float | None,
-    pause: bool,
-    force: bool,
     quiet: bool,
+    **options: Any,  # noqa: ANN401 - of Manner
 ) -> None:
     """Publish the messages of logs again, with their original timing.
 
@@ -110,25 +92,13 @@ def command(
     right seek 5 s, [ and ] a minute, up and down double and halve the rate, 0 to 9 jump to that
     tenth of the log, q ends.
     """
-    if pause and not has_keys():
+    if options["is_paused"] and not has_keys():
         raise UsageError("--pause needs a terminal, because only a key resumes", "leave it out")
     refuse_no_files(files, wanted)
-    choice = Choice(
-        topics=TopicChoice(wanted, excluded), names=bus_choice().names, keeps_clock=clock
-    )
-    manner = Manner(
-        rate=rate,
-        start=start,
-        end=end,
-        duration=duration,
-        loops=loop,
-        is_paused=pause,
-        clock=clock,
-        waits=wait_subscribers,
-        force=force,
-        typed=(*files, *["--by-stamp"] * by_stamp),
-        most_gap=math.inf if most_gap is None else most_gap,
-    )
+    names, clock = bus_choice().names, options["clock"]
+    choice = Choice(topics=TopicChoice(wanted, excluded), names=names, keeps_clock=clock)
+    typed = {name: value for name, value in options.items() if value is not None}
+    manner = Manner(typed=(*files, *["--by-stamp"] * by_stamp), **typed)
     with (
         StatusLine("lcmtools bag play", is_quiet=quiet) as line,
         stamps.by_stamp(files, type_, topic, wanted=by_stamp) as paths,

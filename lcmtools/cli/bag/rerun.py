@@ -11,7 +11,7 @@ from lcmtools.bag.rerunning.rerun import rerun
 from lcmtools.bag.rerunning.rerun_report import draw, record, rows
 from lcmtools.bag.rerunning.rerun_report import junit as junit_of
 from lcmtools.bag.rerunning.rerun_report import save as save_log
-from lcmtools.cli.bag.common import force_option, window_options
+from lcmtools.cli.bag.common import force_option, not_negative, window_options
 from lcmtools.cli.declare import argument, duration, examples, flag, option, rate, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import write_result
@@ -25,15 +25,7 @@ from lcmtools.launch.reading import make_plan
 from lcmtools.observe.measuring.curves import check_suffix
 from lcmtools.settings import usual_namespace
 
-
-def _limit(value: str | float) -> float:
-    try:
-        number = float(value)
-    except ValueError:
-        raise click.BadParameter(f"'{value}' is not a number") from None
-    if not 0 <= number < float("inf"):
-        raise click.BadParameter("it must not be negative")
-    return number
+_limit = not_negative("it must not be negative")
 
 
 @subcommand("rerun", force_option, json_option)

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Part, Subject, Unchecked, state
+from lcmtools.errors import InvalidFile, UnknownType
+from lcmtools.messages.registry import message_class
 
 _ROOT = 0
 _OF_SOCKETS = ("kernel-drops", "stuck-listeners", "small-buffer", "interfaces", "other-users")
@@ -19,6 +21,7 @@ _REASONS = {
     "no-processes": "this system does not report the sockets of programs (it has no /proc)",
     "no-sockets": "this system does not list its sockets (it has no /proc/net/udp)",
     "text": "{text}",
+    "unusable-types": "{types:list} cannot be used: lcmtools msg list says why",
 }
 _OF_NETWORK = ("link", "bandwidth", "rp-filter", "igmp-querier")
 
@@ -36,6 +39,20 @@ def unchecked(evidence: Evidence) -> Iterator[Unchecked]:
     elif provider == "zenoh":
         yield _unchecked("loss", "zenoh-losses")
     yield from _of_clocks(evidence)
+    announced = sorted({name for topic in evidence.graph.topics() for name in topic.types})
+    if types := [name for name in announced if not _is_usable(name)]:
+        yield _unchecked("type-mismatch", "unusable-types", types=types)
+
+
+def _is_usable(name: str) -> bool:
+    """Return False for a type whose file is wrong; one without a file is no fault."""
+    try:
+        message_class(name, any_version=True)
+    except InvalidFile:
+        return False
+    except UnknownType:
+        pass
+    return True
 
 
 def _of_clocks(evidence: Evidence) -> Iterator[Unchecked]:

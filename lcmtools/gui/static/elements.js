@@ -234,9 +234,31 @@ export function openMenu(opener, entries) {
     event.stopPropagation();
   });
   document.body.append(menu);
-  const at = opener.getBoundingClientRect();
-  menu.style.top = `${Math.min(at.bottom + 4, innerHeight - menu.offsetHeight - 8)}px`;
-  menu.style.left = `${Math.max(8, Math.min(at.left, innerWidth - menu.offsetWidth - 8))}px`;
+  placeAt(menu, opener);
   opener.setAttribute("aria-expanded", "true");
   items.find((item) => !item.disabled)?.focus();
+}
+
+/** Place something below its opener, within the page. @param {HTMLElement} shown @param {HTMLElement} opener */
+function placeAt(shown, opener) {
+  const at = opener.getBoundingClientRect();
+  shown.style.top = `${Math.min(at.bottom + 4, innerHeight - shown.offsetHeight - 8)}px`;
+  shown.style.left = `${Math.max(8, Math.min(at.left, innerWidth - shown.offsetWidth - 8))}px`;
+}
+
+/**
+ * Create a button that shows rarely used tools, until Escape or a press elsewhere.
+ * @param {string} label
+ * @param {string} title
+ * @param {...(Child | Child[])} tools
+ */
+export function more(label, title, ...tools) {
+  const shown = element("div", { class: "menu more", popover: "auto", role: "group", "aria-label": title }, ...tools);
+  const opener = button(label, () => {}, { title, "aria-expanded": "false" });
+  opener.popoverTargetElement = shown;
+  shown.addEventListener("toggle", ({ newState }) => {
+    set(opener, "aria-expanded", String(newState === "open"));
+    if (newState === "open") placeAt(shown, opener);
+  });
+  return [opener, shown];
 }

@@ -6,6 +6,7 @@ import { Frame, SIDES } from "./frame.js";
 import { PANELS } from "./panels/index.js";
 import { areEqual, beside, checked, copied, isSplit, leaves, without } from "./tree.js";
 
+const HIGH = 360; // [px] of a panel that can be divided into an upper and a lower one
 const FAR = 6; // [px] before a press becomes a drag
 const BEYOND = 16; // [px] from a panel into its neighbour
 const MOST_UNDONE = 30; // changes that can be undone
@@ -84,9 +85,10 @@ export class Layout {
     this.enlarge(null);
     if (!this.tree) this.arrange(leaf);
     else {
-      const target = near ?? this.largest();
+      const wide = PANELS[panel]?.isWide && this.largest(({ width, height }) => (height > HIGH ? width : 0));
+      const target = wide || near || /** @type {Leaf} */ (this.largest(({ width, height }) => width * height));
       const box = this.frames.get(target)?.element.getBoundingClientRect();
-      const side = box && box.height > box.width * 0.8 ? "down" : "right";
+      const side = wide || (box && box.height > box.width * 0.8) ? "down" : "right";
       this.arrange(beside(this.tree, target, leaf, side));
     }
     this.frames.get(leaf)?.element.focus();
@@ -123,14 +125,14 @@ export class Layout {
     this.element.classList.toggle("has-large", this.large !== null);
   }
 
-  /** Return the panel with the largest area. */
-  largest() {
-    /** @type {(leaf: Leaf) => number} */
-    const area = (leaf) => {
-      const box = this.frames.get(leaf)?.element.getBoundingClientRect();
-      return box ? box.width * box.height : 0;
-    };
-    return /** @type {Leaf} */ (leaves(this.tree).sort((a, b) => area(b) - area(a))[0]);
+  /**
+   * Return the panel of which a measure is largest; undefined if it is 0 for all.
+   * @param {(box: DOMRect) => number} measure
+   */
+  largest(measure) {
+    const sizes = [...this.frames].map(([leaf, frame]) => ({ leaf, size: measure(frame.element.getBoundingClientRect()) }));
+    const [first] = sizes.sort((a, b) => b.size - a.size);
+    return first?.size ? first.leaf : undefined;
   }
 
   /**

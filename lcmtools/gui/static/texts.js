@@ -11,7 +11,12 @@ export function clockText(time) {
   return `${parts}.${String(date.getMilliseconds()).padStart(3, "0")}`;
 }
 
-// The next four are the same in Python, which tests/fixtures/texts.json proves.
+/** Return a number of things: "1 line", "2 lines". @param {number} count @param {string} noun */
+export function counted(count, noun) {
+  return `${count} ${noun}${count === 1 ? "" : "s"}`;
+}
+
+// The next five are the same in Python, which tests/fixtures/texts.json proves.
 
 /** @param {number} rate [Hz] */
 export function rateText(rate) {
@@ -43,6 +48,11 @@ export function ageText(seconds) {
 export function lossText(loss) {
   if (loss === 0) return "0";
   return loss < 0.1 ? `${Math.max(loss * 100, 0.1).toFixed(1)}%` : `${(loss * 100).toFixed(0)}%`;
+}
+
+/** @param {number} seconds the spread of the intervals between messages */
+export function jitterText(seconds) {
+  return seconds < 1 ? `${(seconds * 1000).toFixed(1)} ms` : `${seconds.toFixed(2)} s`;
 }
 
 /** @param {unknown} error that was thrown */

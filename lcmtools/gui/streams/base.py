@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import ClassVar
 
-from lcmtools.gui.protocol import Frame, Json, Parameters, binary_frame, text_frame
+from lcmtools.gui.protocol import Frame, Json, binary_frame, text_frame
 from lcmtools.gui.source import Source, absence
 
 
@@ -30,6 +30,8 @@ class Update:
 class PageStream(ABC):
     """A stream; made, updated and closed on the server's thread.
 
+    Its parameters are arguments by keyword, which are read by their annotations.
+
     A stream that follows a topic calls ``self.follow(topic, self.receive)`` in its ``__init__``.
     ``receive`` is then called on the source's thread; it must be quick, and lock shared data.
     """
@@ -40,8 +42,8 @@ class PageStream(ABC):
     is_shared: ClassVar[bool] = False
     commands: ClassVar[bool] = False  # True if only for pages that may command
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        self.source, self.parameters = source, parameters
+    def __init__(self, source: Source) -> None:
+        self.source = source
         self._topic = ""
         self._at_close = ExitStack()
 

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 
@@ -26,8 +26,8 @@ class DoctorFindings(PageStream):
     period = 0.5
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
         where = ["--bag", source.name] if source.kind == "log" else ["--lcm-url", source.name]
         self._command = [sys.executable, "-m", "lcmtools", "wtf", "--json", *where]
         if source.kind == "bus":

@@ -6,26 +6,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from lcmtools.errors import DecodeError
-from lcmtools.gui.drawings import Heard, transform_fault
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.frames import FrameStore, Link
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import type_name
 from lcmtools.observe.channels.activity import SILENT_AFTER
 from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.types.tf2_msgs import TFMessage
-from lcmtools.wire.packet import Packet, Sender
+from lcmtools.wire.packet import Packet
 
 _MOST_WAITING = 5000  # messages between two updates
-_MOST_LINKS = 5000
-
-
-class Link(Heard):
-    """A frame in a parent, as one topic says it, with the time of its last message."""
-
-    def __init__(self, topic: str, time: int, sender: Sender | None = None) -> None:
-        super().__init__(time)
-        self.topic, self.sender = topic, sender
 
 
 class Place(NamedTuple):
@@ -87,12 +78,12 @@ class FrameTree(PageStream):
     period = 0.5
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
         self._lock = threading.Lock()
         self._waiting = deque[Packet](maxlen=_MOST_WAITING)
         self._followed: set[str] = set()
-        self._links: dict[str, dict[str, Link]] = defaultdict(dict)
+        self._store = FrameStore()
         self._names = SenderNames()
         self._mistake = ""
 
@@ -107,9 +98,9 @@ class FrameTree(PageStream):
             packets, self._waiting = self._waiting, deque(maxlen=_MOST_WAITING)
         for packet in packets:
             self._add(packet)
-        senders = {link.sender for links in self._links.values() for link in links.values()}
+        senders = {link.sender for links in self._store.links.values() for link in links.values()}
         self._names.update(senders, latest.graph.nodes)
-        parents = current_parents(self._links)
+        parents = current_parents(self._store.links)
         lines = list(ordered(parents))
         roots = [one.frame for one in lines if not one.depth]
         about = f"{len(roots)} trees that nothing connects: {', '.join(roots)}" if roots[1:] else ""
@@ -130,24 +121,20 @@ class FrameTree(PageStream):
         except DecodeError as error:
             self._mistake = f"{packet.channel}: {error}"
             return
-        for one in message.transforms if isinstance(message, TFMessage) else ():
-            child, parent = one.child_frame_id, one.header.frame_id
-            if fault := transform_fault(one):
-                self._mistake = f"{packet.channel}: {fault}"
-            elif link := self._links[child].get(parent):
-                link.topic, link.sender = packet.channel, packet.sender
-                link.again(packet.time)
-            elif len(self._links) < _MOST_LINKS:
-                self._links[child][parent] = Link(packet.channel, packet.time, packet.sender)
+        if isinstance(message, TFMessage):
+            ignored = self._store.add(message, packet.time, packet.channel, packet.sender)
+            self._mistake = f"{packet.channel}: {ignored}" if ignored else self._mistake
 
     def _line(self, place: Place, parents: Mapping[str, Sequence[str]]) -> Json:
         frame, depth, is_looped = place
         if frame not in parents:
             return [frame, depth, None, "", "", ""]
         graph, (parent, *others) = self.source.latest.graph, parents[frame]
-        link = self._links[frame][parent]
+        link = self._store.links[frame][parent]
         age = max(0, graph.time - link.time)
-        faults = [f"also in {one}, by {self._name(self._links[frame][one])}" for one in others]
+        faults = [
+            f"also in {one}, by {self._name(self._store.links[frame][one])}" for one in others
+        ]
         if is_looped and (loop := loop_of(frame, parents)):
             faults.append(f"a loop: {' in '.join(loop)}")
         if link.is_old(graph.time) and not graph.topic(link.topic).is_latched:

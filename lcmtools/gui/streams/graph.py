@@ -13,7 +13,7 @@ from lcmtools.graph.drawing import labels
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member
 from lcmtools.graph.drawing.layered import Drawing, Size, layered
 from lcmtools.graph.drawing.subgraph import DiagramOptions, members_only, select
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.observe.channels.feed import Snapshot
@@ -26,18 +26,29 @@ _LETTER, _LINE, _PADDING = 7.3, 15.0, 26.0  # width of a letter, height of a lin
 
 
 class GraphStream(PageStream):
-    """The graph, with the parts that the page wants.
-
-    Parameters: ``everything``, ``leaves``, ``tools``, ``services``, ``dead``, ``topics`` and
-    ``groups``, each true or false.
-    """
+    """The graph, with the parts that the page wants."""
 
     period = _LOOK_PERIOD
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
-        self._maker = GraphMaker(parameters)
+    def __init__(  # noqa: PLR0913 - the parts that a page chooses
+        self,
+        source: Source,
+        *,
+        everything: bool = False,
+        leaves: bool = True,
+        tools: bool = False,
+        services: bool = False,
+        dead: bool = True,
+        topics: bool = True,
+        groups: bool = False,
+    ) -> None:
+        super().__init__(source)
+        self._has_dead = dead
+        options = DiagramOptions(
+            everything=everything, leaf_topics=leaves, tools=tools, services=services
+        )
+        self._maker = GraphMaker(options, has_topics=topics, has_groups=groups)
         self._url = BusUrl("file", source.name) if source.kind == "log" else parse_url(source.name)
         self._latest: Mapping[str, Json] | None = None
         self._fault = ""
@@ -78,7 +89,7 @@ class GraphStream(PageStream):
     def _diagram(self, snapshot: Snapshot, found: Sequence[Program]) -> Diagram:
         rates = {row.channel: row.rate or 0.0 for row in snapshot.rows if row.age is not None}
         graph = snapshot.graph
-        if not self.parameters.flag("dead", default=True):
+        if not self._has_dead:
             graph = graph._replace(nodes=tuple(node for node in graph.nodes if not node.stale))
         diagram = diagram_of(graph, found, rates)
         if self.source.kind == "bus":
@@ -91,15 +102,10 @@ class GraphStream(PageStream):
 class GraphMaker:
     """Converts diagrams for a page to draw; positions are kept if possible."""
 
-    def __init__(self, parameters: Parameters) -> None:
-        flag = parameters.flag
-        self._options = DiagramOptions(
-            everything=flag("everything"),
-            leaf_topics=flag("leaves", default=True),
-            tools=flag("tools"),
-            services=flag("services"),
-        )
-        self._has_topics, self._has_groups = flag("topics", default=True), flag("groups")
+    def __init__(
+        self, options: DiagramOptions, *, has_topics: bool = True, has_groups: bool = False
+    ) -> None:
+        self._options, self._has_topics, self._has_groups = options, has_topics, has_groups
         self._structure: object = None
         self._drawing = Drawing()
 

@@ -4,10 +4,11 @@ import math
 import struct
 import threading
 import time
-from typing import cast
+from typing import Annotated, cast
 
 from lcmtools.errors import DecodeError
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.formats.typed import Within
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.pixels import (
@@ -41,16 +42,23 @@ class NewestImage(PageStream):
     period = 0.03
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(
+        self,
+        source: Source,
+        *,
+        topic: str,
+        pixels: Annotated[float, Within(_FEWEST)] = MOST_PIXELS,
+        rate: Annotated[float, Within(_LOWEST_RATE)] = 10.0,
+    ) -> None:
+        super().__init__(source)
         self._lock = threading.Lock()
         self._newest: Packet | None = None
         self._count = 0
         self._not_before = 0.0
         self._mistake = ""
-        self._pixels = parameters.number("pixels", MOST_PIXELS, _FEWEST)
-        self._shortest = 1 / parameters.number("rate", 1 / self.period, _LOWEST_RATE)  # [s]
-        self.follow(parameters.text("topic"), self._receive)
+        self._pixels = pixels
+        self._shortest = 1 / rate  # [s]
+        self.follow(topic, self._receive)
 
     def update(self) -> Update | None:
         """Return the newest image, if it has not been returned yet."""

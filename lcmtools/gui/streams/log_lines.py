@@ -4,7 +4,7 @@ import threading
 from collections import deque
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.wire.packet import Packet
@@ -21,8 +21,8 @@ class LogLines(PageStream):
 
     period = 0.2
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
         self._lock = threading.Lock()
         self._waiting: deque[Packet] = deque(maxlen=_MOST)
         self._left_out = 0

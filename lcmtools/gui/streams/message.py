@@ -5,7 +5,7 @@ import time
 from collections.abc import Sequence
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, publishers_of
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.messages.registry import Message, type_name
@@ -22,14 +22,14 @@ class LatestMessage(PageStream):
     period = 0.1
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source, *, topic: str, toggled: tuple[str, ...] = ()) -> None:
+        super().__init__(source)
         self._lock = threading.Lock()
         self._packet: Packet | None = None
         self._fault = ""
         self._next = 0.0
-        self._toggled = parameters.texts("toggled")
-        self.follow(parameters.text("topic"), self.receive)
+        self._toggled = toggled
+        self.follow(topic, self.receive)
 
     def receive(self, packet: Packet) -> None:
         """Keep the newest packet."""
@@ -63,10 +63,10 @@ class LatestMessage(PageStream):
 class ServiceAnswer(PageStream):
     """The kept answer of a service with a ``number``, with ``toggled`` parts as above."""
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
-        answer = publishers_of(source).answers.get(int(parameters.number("number")))
-        self._lines = _unfolded(answer, parameters.texts("toggled")) if answer else None
+    def __init__(self, source: Source, *, number: int, toggled: tuple[str, ...] = ()) -> None:
+        super().__init__(source)
+        answer = publishers_of(source).answers.get(number)
+        self._lines = _unfolded(answer, toggled) if answer else None
         self._fault = "" if answer else "this answer is no longer kept; call the service again"
 
     def update(self) -> Update | None:

@@ -2,14 +2,14 @@
 
 import threading
 import time
+from typing import Annotated
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters
-from lcmtools.gui.source import Source, publishers_of
+from lcmtools.formats.typed import Within
+from lcmtools.gui.protocol import Json
+from lcmtools.gui.source import Source, publishers_of, topic_to_publish
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.type_forms import filled_in
-from lcmtools.names import resolve
-from lcmtools.publish.publication import check_topic
 from lcmtools.publish.schedule import due_times
 
 _LOWEST, _HIGHEST = 0.01, 200.0  # [Hz]
@@ -26,14 +26,10 @@ class FilledForm:
         LcmtoolsError: Nothing can be published here.
     """
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
+    def __init__(self, source: Source, topic: str, kind: str, values: Json) -> None:
         self._publishers = publishers_of(source)
-        topic = parameters.text("topic")
-        # A name on the bus remains unchanged, others are resolved by ROS's rules.
-        is_known = any(row.channel == topic for row in source.latest.rows)
-        check_topic(topic, plain_channel=is_known)
-        self._topic = topic if is_known else resolve(topic)
-        self._template = filled_in(parameters)
+        self._topic = topic_to_publish(source, topic)
+        self._template = filled_in(kind, values)
 
     def send(self) -> None:
         """Publish it, after setting the times of sending; BusError if the bus refuses it."""
@@ -41,9 +37,9 @@ class FilledForm:
         self._publishers.publish(self._topic, type(self._template.message), payload)
 
 
-def publish(source: Source, parameters: Parameters) -> Json:
+def publish(source: Source, *, topic: str, type: str, values: Json) -> Json:  # noqa: A002 - the key of a request
     """Publish a form's message once."""
-    FilledForm(source, parameters).send()
+    FilledForm(source, topic, type, values).send()
     return None
 
 
@@ -53,10 +49,18 @@ class RepeatedForm(PageStream):
     period = 0.25
     commands = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
-        self._rate = parameters.number("rate", 1.0, _LOWEST, _HIGHEST)
-        self._form = FilledForm(source, parameters)
+    def __init__(
+        self,
+        source: Source,
+        *,
+        topic: str,
+        type: str,  # noqa: A002 - the key of a request
+        values: Json,
+        rate: Annotated[float, Within(_LOWEST, _HIGHEST)] = 1.0,
+    ) -> None:
+        super().__init__(source)
+        self._rate = rate
+        self._form = FilledForm(source, topic, type, values)
         self._count = self._said = 0
         self._fault = ""
         self._over = threading.Event()

@@ -13,7 +13,7 @@ from lcmtools.clock import CLOCK_TOPIC
 from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.graph.model import Graph
 from lcmtools.gui.log_source import LogSource
-from lcmtools.gui.protocol import Json, MalformedRequest, Parameters
+from lcmtools.gui.protocol import Json, MalformedRequest
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.type_forms import unit_of
@@ -62,12 +62,19 @@ class Plot(PageStream):
 
     period = 0.05
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(
+        self,
+        source: Source,
+        *,
+        fields: tuple[str, ...] = (),
+        choice: float = 0,
+        time: str = "arrival",
+    ) -> None:
+        super().__init__(source)
         self._lock = threading.Condition()
-        self._fields = [_Fields(text) for text in parameters.texts("fields")]
-        self._choice = parameters.number("choice", 0)
-        self._time = parameters.text("time", "arrival")
+        self._fields = [_Fields(text) for text in fields]
+        self._choice = choice
+        self._time = time
         if self._time not in ("arrival", "stamp", "simulated"):
             raise MalformedRequest(f"there is no time '{self._time[:40]}'")
         self._clock = ArrivalClock(is_simulated=True)

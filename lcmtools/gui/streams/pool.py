@@ -1,10 +1,11 @@
 """The open streams of all pages; equal ones are shared if their kind allows it."""
 
 import time
+from collections.abc import Mapping
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui import streams
-from lcmtools.gui.protocol import Parameters
+from lcmtools.gui.protocol import Json, json_arguments
 from lcmtools.gui.source import Source, topic_named
 from lcmtools.gui.streams.base import PageStream, Update
 
@@ -48,14 +49,16 @@ class StreamPool:
         self._source = source
         self._shared: dict[tuple[str, str], OpenStream] = {}
 
-    def open(self, name: str, parameters: Parameters) -> OpenStream:
+    def open(self, name: str, values: Mapping[str, Json]) -> OpenStream:
         """Open a stream, or use another page's; MalformedRequest for a bad name or parameters."""
-        if topic := parameters.text("topic", ""):
-            parameters = parameters.with_text("topic", topic_named(self._source, topic))
-        key = name, parameters.key
+        make = streams.stream_class(name)
+        parameters = json_arguments(make, values)
+        if topic := parameters.get("topic"):
+            parameters["topic"] = topic_named(self._source, topic)
+        key = name, repr(sorted(parameters.items()))
         found = self._shared.get(key)
         if found is None:
-            found = OpenStream(streams.stream_class(name)(self._source, parameters))
+            found = OpenStream(make(self._source, **parameters))
             if found.stream.is_shared:
                 self._shared[key] = found
         found.users += 1

@@ -1,19 +1,19 @@
 """Starting and stopping a recording, and the stream of its state."""
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.recording import Recordings
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 
 
-def record(source: Source, parameters: Parameters) -> Json:
+def record(source: Source, *, topics: tuple[str, ...] = ()) -> Json:
     """Begin to record ``topics``; without any, all but hidden ones."""
-    _recordings(source).start(parameters.texts("topics"))
+    _recordings(source).start(topics)
     return None
 
 
-def stop(source: Source, _: Parameters) -> Json:
+def stop(source: Source) -> Json:
     """End the recording."""
     return _recordings(source).stop()
 

@@ -4,7 +4,7 @@ import os
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.model import Graph, Node, Topic
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.velocity import USUAL, commands_velocity
@@ -21,9 +21,9 @@ class Steer(PageStream):
     period = 0.25
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
-        self._steered = parameters.text("topic")
+    def __init__(self, source: Source, *, topic: str) -> None:
+        super().__init__(source)
+        self._steered = topic
         if source.steering:
             source.steering.prepare()
 
@@ -42,7 +42,8 @@ class Steer(PageStream):
     def problem(self) -> str:
         """Return why it cannot be steered, or that no program is known to obey."""
         if not self._steered:
-            return "choose a topic"
+            has_any = any(is_velocity(*row.types[:1]) for row in self.source.latest.rows)
+            return "choose a topic" if has_any else "no topic commands a velocity yet"
         if mistake := self._mistake():
             return mistake
         topic = self.source.latest.graph.topic(self._steered)
@@ -50,7 +51,12 @@ class Steer(PageStream):
             return ""
         row = self.source.latest.row(self._steered)
         missing = "" if row.types or row.senders else absence(self.source, self._steered)
-        return missing if "did you mean" in missing else self._with_others("no node obeys")
+        if "did you mean" in missing:
+            return missing
+        if programs := self.source.latest.plain_listeners:
+            said = f"no node obeys {self._steered}; listening, to what is not known: "
+            return said + ", ".join(programs)
+        return self._with_others("no node obeys")
 
     def _others(self, graph: Graph, topic: Topic) -> list[str]:
         nodes = {node.name: end for node, end in topic.publishers if not self._is_own(node)}

@@ -1,8 +1,11 @@
-"""The stream of the topics: for each the record of ``spy --json``, and if it is silent."""
+"""The stream of the topics: for each the record of ``spy --json``, and if it is silent.
+
+Listeners are null where only programs receive that announce nothing.
+"""
 
 from typing import cast
 
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.observe.channels.channel_report import record
@@ -36,19 +39,20 @@ class Topics(PageStream):
     period = 0.25
     is_shared = True
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source) -> None:
+        super().__init__(source)
         self.until_closed(source.listen_to_all())
 
     def update(self) -> Update:
         """Return the current rows."""
         latest = self.source.latest
+        programs = latest.plain_listeners  # which may listen to any of them
+        rows = [{**record(row), "silent": row.is_silent} for row in current_rows(latest)]
+        if programs:
+            rows = [{**row, "listeners": row["listeners"] or None} for row in rows]
         data: dict[str, Json] = {
-            "rows": [
-                cast("Json", {**record(row), "silent": row.is_silent})
-                for row in current_rows(latest)
-            ],
-            "programs": latest.plain_listeners,
+            "rows": cast("Json", rows),
+            "programs": programs,
             "errors": latest.callback_errors,
         }
         return Update(data)

@@ -10,8 +10,15 @@ from typing import ClassVar
 
 from lcmtools.errors import DecodeError
 from lcmtools.graph.model import Graph
-from lcmtools.gui.drawings import DRAWINGS, Malformed, MarkerScene, Poses, drawing_kinds
-from lcmtools.gui.protocol import Json, Parameters
+from lcmtools.gui.drawings import (
+    DRAWINGS,
+    Malformed,
+    MarkerScene,
+    drawing_kinds,
+    frames_drawing,
+)
+from lcmtools.gui.frames import FrameStore
+from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, absence, age_text
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.streams.topics import current_rows, newest_simulator
@@ -19,6 +26,7 @@ from lcmtools.messages.registry import Message, type_name
 from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.observe.simulators import simulators
+from lcmtools.text_table import plural
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 from lcmtools.wire.packet import Packet
@@ -62,13 +70,13 @@ class _Messages(PageStream):
     is_shared = True
     most_waiting: ClassVar[int] = 1
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source, *, topic: str) -> None:
+        super().__init__(source)
         self._waiting: deque[Packet] = deque(maxlen=self.most_waiting)
         self._lock = threading.Lock()
         self._mistake = ""
         self._has_come = False
-        self.follow(parameters.text("topic"), self._receive)
+        self.follow(topic, self._receive)
 
     def problem(self) -> str:
         """Return why nothing has been drawn; a latched topic may be silent."""
@@ -105,9 +113,9 @@ class Frames(_Messages):
     period = 1 / 30
     most_waiting = _MOST_WAITING
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
-        self._poses = Poses()
+    def __init__(self, source: Source, *, topic: str) -> None:
+        super().__init__(source, topic=topic)
+        self._store = FrameStore()
         self._old: list[str] = []
         self._seen: Snapshot | None = None
 
@@ -116,33 +124,40 @@ class Frames(_Messages):
         found = self.pop(TFMessage)
         for packet, message in found:
             assert isinstance(message, TFMessage), "it was taken as one"
-            if ignored := self._poses.add(message, packet.time):
+            if ignored := self._store.add(message, packet.time):
                 self._mistake = f"{self._topic}: {ignored}"
         before = self._old
         if self.source.latest is not self._seen or (found and self._old):
             self._seen = self.source.latest
-            began, heard = newest_simulator(self._seen), self._poses.heard
-            old = self._old_frames(self._seen)
-            self._poses.forget([name for name in old if heard[name].time < began])
-            self._old = [name for name in old if name in heard]
-        return self._poses.drawing(self._old) if found or self._old != before else None
+            old, began = self._old_frames(self._seen), newest_simulator(self._seen)
+            self._store.forget([name for name, time in old.items() if time < began])
+            self._old = [name for name, time in old.items() if time >= began]
+        return frames_drawing(self._store, self._old) if found or self._old != before else None
 
     def problem(self) -> str:
         """Return also how old frames are that are no longer sent."""
         if (problem := super().problem()) or not self._old:
             return problem
-        name, heard = self._old[0], self._poses.heard
-        age = (self.source.latest.graph.time - heard[name].time) / 1e9
-        return f"old: {len(self._old)} of {len(heard)} frames, '{name}' for {age_text(age)}"
+        name, times = self._old[0], {child: link.time for child, _, link in self._store.latest()}
+        age = (self.source.latest.graph.time - times[name]) / 1e9
+        return (
+            f"old: {len(self._old)} of {plural(len(times), 'frame')}, '{name}' for {age_text(age)}"
+        )
 
-    def _old_frames(self, latest: Snapshot) -> list[str]:
-        """Return the frames that are no longer sent; of one that came once, its topic tells it."""
+    def _old_frames(self, latest: Snapshot) -> dict[str, int]:
+        """Return the frames that are no longer sent, with the time of their last message [ns].
+
+        Of one that came once, its topic tells it.
+        """
         graph, row = latest.graph, latest.row(self._topic)
         if graph.topic(self._topic).is_latched:
-            return []
+            return {}
         is_silent = _silence(row, graph) is not None
-        heard = self._poses.heard.items()
-        return [name for name, one in heard if one.is_old(graph.time, is_once=is_silent)]
+        return {
+            child: link.time
+            for child, _, link in self._store.latest()
+            if link.is_old(graph.time, is_once=is_silent)
+        }
 
 
 class Markers(_Messages):
@@ -151,8 +166,8 @@ class Markers(_Messages):
     period = 0.1
     most_waiting = 100
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source, *, topic: str) -> None:
+        super().__init__(source, topic=topic)
         self._scene = MarkerScene()
         self._last = b""
 
@@ -170,8 +185,8 @@ class Newest(_Messages):
 
     period = 1 / 30
 
-    def __init__(self, source: Source, parameters: Parameters) -> None:
-        super().__init__(source, parameters)
+    def __init__(self, source: Source, *, topic: str) -> None:
+        super().__init__(source, topic=topic)
         self._not_before = 0.0
 
     def update(self) -> Update | None:

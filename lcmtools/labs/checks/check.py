@@ -11,6 +11,7 @@ from lcmtools.labs.checks import dolly, husky, path, teleop, viewer
 from lcmtools.labs.checks.choice import Run
 from lcmtools.labs.checks.diagnosis import DIED, RAISED, SAME, busy, cause_of, raised, slip
 from lcmtools.labs.checks.observations import Observations, last_failure, last_words
+from lcmtools.labs.checks.program_rows import ends_on_ctrl_c
 from lcmtools.labs.checks.results import Cause, CheckResult, Report
 from lcmtools.labs.checks.test_bench import TestBench, TimeLimitReached
 from lcmtools.packages.cmake import built_source
@@ -104,7 +105,7 @@ def _rows(bench: TestBench, run: Run) -> Iterator[CheckResult]:
         found = plural(len(look.findings), "finding")
         row = CheckResult("what wtf says about it", "nothing", found, is_ok=True)
         yield replace(row, findings=tuple(look.findings))
-    yield program.check_ctrl_c(may_have_ended=run.program.may_end)
+    yield ends_on_ctrl_c(program, may_have_ended=run.program.may_end)
 
 
 def _exception(bench: TestBench) -> CheckResult | None:

@@ -14,8 +14,6 @@ from pathlib import Path
 from shutil import which
 
 from lcmtools.errors import UsageError
-from lcmtools.labs.checks.diagnosis import DIED, SILENT
-from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.packages.cpp_nodes import is_cpp
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
 from lcmtools.processes.process_guard import ProcessGuard
@@ -83,40 +81,6 @@ class CheckedProgram(ChildProcess):
             self.ask_to_end(0.0)
         self.was_interrupted = True
         return self.wait(_TIMEOUTS.interrupt)
-
-    def check_ctrl_c(self, *, may_have_ended: bool = False) -> CheckResult:
-        """Check that Ctrl-C ends it, and end it in any case."""
-        what, wanted = "ends on Ctrl-C", "within 4 s"
-        if may_have_ended and self.code == 0 and not self.was_interrupted:
-            return CheckResult(what, wanted, "it has ended by itself", is_ok=True)
-        if self.code is not None and not self.was_interrupted:
-            return self.early_end(what)
-        ends = self.code is not None or self.ends_on_interrupt()
-        if ends:
-            return CheckResult(what, wanted, "it ends", is_ok=True)
-        cause = self.why_it_goes_on()
-        return CheckResult(
-            what, wanted, "it keeps running", is_ok=False, hint=cause.text, cause=cause.key
-        )
-
-    def why_it_goes_on(self) -> Cause:
-        """Return why it does not end on Ctrl-C."""
-        if self.takes_interrupts_as_keys():
-            text = r"in a raw terminal Ctrl-C is the key '\x03': end at it, or use cbreak mode"
-        else:
-            text = "let the loop end at Ctrl-C: when ok() of lcmtools is false, or at SIGINT"
-        return Cause("goes-on", text)
-
-    def early_end(self, what: str, wanted: str = "it runs") -> CheckResult:
-        """Return the failed row of a program that ended too early."""
-        return CheckResult(what, wanted, "it has ended", is_ok=False, cause=DIED)
-
-    def nothing_within(self, seconds: float, what: str, wanted: str, hint: str) -> CheckResult:
-        """Return the failed row of a program that sent nothing in time."""
-        if self.code is not None:
-            return self.early_end(what, wanted)
-        measured = f"none within {seconds:g} s"
-        return CheckResult(what, wanted, measured, is_ok=False, hint=hint, cause=SILENT)
 
 
 def own_path() -> str:

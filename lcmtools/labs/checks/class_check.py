@@ -18,6 +18,7 @@ from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks.check_report import read_record
 from lcmtools.labs.checks.checked_programs import own_command
 from lcmtools.labs.checks.choice import choose
+from lcmtools.labs.checks.log_check import can_play
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.labs.checks.submissions import copy_submission, programs_of, submissions_in
 from lcmtools.processes.child import ChildProcess, Start, StopTimeouts
@@ -52,6 +53,7 @@ class ClassCheck:
     ) -> None:
         self._lab, self._commands, self._arguments = lab, commands, arguments
         self._plot, self.jobs = plot, jobs
+        self.is_played = "--bag" in arguments  # a recorded drive is played, nothing simulated
         self._is_over = threading.Event()
 
     def run(self, folder: Path, show: Callable[[str, Report], object]) -> dict[str, list[Report]]:
@@ -92,7 +94,8 @@ class ClassCheck:
         with tempfile.TemporaryDirectory(prefix="lcmtools-class-") as own:
             copy_submission(submission, Path(own))
             programs = programs_of(self._lab, Path(own), self._commands)
-        return [_Job(submission, option, text) for option, text in programs.items()]
+        known = [one.option for one in self._lab.programs if can_play(one) or not self.is_played]
+        return [_Job(submission, *one) for one in programs.items() if one[0] in known]
 
     def _check(self, job: _Job, guard: ProcessGuard) -> Report:
         """Check a program in its own process and folder."""

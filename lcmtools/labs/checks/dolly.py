@@ -12,6 +12,7 @@ from lcmtools.bag.log import Log
 from lcmtools.labs.checks.diagnosis import STOPPED, misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
 from lcmtools.labs.checks.observations import Touch, TrueState
+from lcmtools.labs.checks.program_rows import early_end, first_command, nothing_within
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
@@ -48,7 +49,7 @@ def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResul
     commands = seen.record(Twist, VELOCITY)
     seen.record_command(Twist)
     program = bench.start(command)
-    first = bench.first_command(f"does it publish on {VELOCITY}?")
+    first = first_command(bench, f"does it publish on {VELOCITY}?")
     if not first.is_ok:
         yield first
         return
@@ -56,7 +57,7 @@ def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResul
     yield rate_row(times, time.monotonic())
     yield velocity_row(commands[-1])
     if program.code is not None:
-        yield program.early_end("circle that it drives")
+        yield early_end("circle that it drives")
         return
     start, sample, touch = bench.time, len(seen.motion), len(seen.touches)
     longest = min(3 * ROUND, _LONGEST_DRIVE)
@@ -145,7 +146,7 @@ def check_reader(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     bench.wait(lambda: program.code is not None, _MOMENT)  # several lines may be a crash
     if program.code is not None or not _lines(program.printed()):
         hint = f"does it print the messages on {_SCAN}?"
-        yield program.nothing_within(_FIRST, *_PRINTS, hint)
+        yield nothing_within(program, _FIRST, *_PRINTS, hint)
         return
     if not bench.wait(lambda: scans, 2.0):
         hint = "does the simulator still run?"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from lcmtools.labs.checks.diagnosis import misplaced, velocity_of
+from lcmtools.labs.checks.measures import velocity_text
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.nodes.driving.motion import DIRECTIONS, SPEED_CHANGES
 from lcmtools.types.geometry_msgs import Twist
@@ -119,7 +120,7 @@ def speeds_result(drives: Mapping[str, KeyPress]) -> CheckResult:
     if speeds[1] >= _FASTEST_TURN:
         cause = Cause("unit", "angular.z is in rad/s, not in degrees")
     what, wanted = "speeds of i and j", f"above 0, below {_FASTEST_TURN:g} rad/s"
-    return CheckResult(what, wanted, text_of(speeds), is_ok, cause.text, cause.key)
+    return CheckResult(what, wanted, velocity_text(speeds), is_ok, cause.text, cause.key)
 
 
 def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
@@ -127,8 +128,8 @@ def key_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> Ch
     got = velocity_of(press.twist)
     is_ok = is_alike(got, press.wanted) and not (press.twist and misplaced(press.twist))
     cause = key_cause(press, drives)
-    measured = text_of(got) if got else "nothing comes"
-    return CheckResult(what, text_of(press.wanted), measured, is_ok, cause.text, cause.key)
+    measured = velocity_text(got) if got else "nothing comes"
+    return CheckResult(what, velocity_text(press.wanted), measured, is_ok, cause.text, cause.key)
 
 
 def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) -> CheckResult:
@@ -140,8 +141,3 @@ def change_result(press: KeyPress, what: str, drives: Mapping[str, KeyPress]) ->
         return result
     text = f"'{what.split()[2].rstrip(',')}' should change the speeds by 10 % and keep the motion"
     return replace(result, hint=text, cause=f"change-{what}")
-
-
-def text_of(velocity: Velocity) -> str:
-    """Format a velocity with its units."""
-    return "{:+.3f} m/s, {:+.3f} rad/s".format(*velocity)

@@ -3,22 +3,18 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
-from itertools import pairwise
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs.checks.diagnosis import IGNORED, RAISED, SAME, cause_of
-from lcmtools.labs.checks.error_statistics import (
-    OF_ERRORS,
+from lcmtools.labs.checks.evaluation import (
+    Sample,
     Velocity,
-    average_cause,
-    average_hint,
-    error_cause,
-    error_hint,
-    root_mean_square,
-    wrong_average,
+    average_rows,
+    error_row,
+    samples_row,
 )
 from lcmtools.labs.checks.observations import Desire, TrueState
+from lcmtools.labs.checks.program_rows import early_end, first, first_command
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.step_response import (
     LONGEST,
@@ -141,14 +137,15 @@ def check_controller(bench: TestBench, command: Sequence[str]) -> Iterator[Check
     bench.recorder.record_command(JointState, Twist)
     bench.start(command)
     robot.desire(REST)
-    first = bench.first_command(
+    row = first_command(
+        bench,
         f"does it publish on {_ROBOT}/velocity_cmd or wheel_cmd, once it has odometry and a desired"
-        " velocity?"
+        " velocity?",
     )
-    yield first
+    yield row
     confirmed: set[str] = set()
-    is_lost, is_whole = False, not first.is_ok
-    for step in STEPS if first.is_ok else ():
+    is_lost, is_whole = False, not row.is_ok
+    for step in STEPS if row.is_ok else ():
         if is_whole or (is_lost and step != _TURN):
             yield CheckResult(step.title, step.wanted, "not measured", is_ok=False, cause=SAME)
             continue
@@ -170,13 +167,13 @@ def _measured(
     time has confirmed it, unless these have taken long already. If that succeeds, the check goes on
     in real time.
     """
-    assert bench.program is not None
+    program = bench.running()
     robot.prepare(step)
     run = robot.measure(step)
     result = judge(run)
     is_late = confirmed and bench.recorder.duration > _LATE
     is_known = result.is_ok or result.cause in confirmed or is_late
-    if not is_known and bench.program.code is None:
+    if not is_known and program.code is None:
         robot.prepare(step)
         if bench.has_slowed_down():
             run = robot.measure(step)
@@ -184,8 +181,8 @@ def _measured(
             if not result.is_ok:
                 confirmed.add(result.cause)
                 bench.speed_up()
-    if bench.program.code is not None:
-        result = bench.program.early_end(step.title)
+    if program.code is not None:
+        result = early_end(step.title)
     return run, result
 
 
@@ -197,7 +194,7 @@ def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckR
     robot.desire(_GOAL)
     hint = f"does it read odometry and desired_velocity, and publish {_ROBOT}/evaluation_stat?"
     row = CheckResult("publishes", "messages that come", "they come", is_ok=True, hint=hint)
-    row = bench.first(lambda: stats, _SOME_TIME, row)
+    row = first(bench, lambda: stats, _SOME_TIME, row)
     if not row.is_ok:
         yield row
         return
@@ -206,15 +203,21 @@ def check_evaluator(bench: TestBench, command: Sequence[str]) -> Iterator[CheckR
     robot.desire(REST)
     bench.wait(lambda: stats[-1].last_error < abs(error) / 100, _REACTION)
     bench.wait(lambda: len(stats) >= 2 * before, _REACTION)
-    at_rest = list(stats)
-    change = _change(at_rest, before)
-    counted = _samples_result(at_rest)
+    change = _change(stats, before)
+    at_rest = [
+        _sample(stat, _GOAL if number < change else REST) for number, stat in enumerate(stats)
+    ]
+    counted = samples_row([sample.stat for sample in at_rest])
     yield counted
-    yield _error_result("last_error", error, _GOAL)
-    for average in _average_results(at_rest, change):
+    yield error_row("last_error", at_rest[before - 1 : before])
+    for average in average_rows(at_rest, change):
         yield average if counted.is_ok else replace(average, cause="samples")
-    yield _error_result("last_error at the goal", at_rest[-1].last_error, REST)
-    yield _moving_result(bench, robot, stats)
+    yield error_row("last_error at the goal", at_rest[-1:])
+    yield _moving_row(bench, robot, stats)
+
+
+def _sample(stat: ControllerEvaluationStat, desired: Step, actual: Velocity = (0.0, 0.0)) -> Sample:
+    return Sample(stat, [((desired.forward, desired.turn_rate), actual)])
 
 
 def _change(stats: Sequence[ControllerEvaluationStat], before: int) -> int:
@@ -224,56 +227,12 @@ def _change(stats: Sequence[ControllerEvaluationStat], before: int) -> int:
     return next((i for i in range(before, len(errors)) if errors[i] <= half), before)
 
 
-def _samples_result(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
-    steps = {after.samples - now.samples for now, after in pairwise(stats)}
-    hint = "count in the odometry callback, and only there: one message for each odometry"
-    if stats[0].samples < 1:
-        hint = "count a sample before you publish it: the first message is of 1 sample"
-    elif min(steps) < 0:
-        hint = "it starts again: go on counting when another desired velocity comes"
-    measured = f"{stats[0].samples} to {stats[-1].samples} in {len(stats)} messages"
-    is_ok = steps == {1} and stats[0].samples >= 1
-    return CheckResult("samples", "1 more each time", measured, is_ok, hint)
-
-
-def _error_result(
-    what: str, measured: float, desired: Step, actual: Velocity = (0.0, 0.0)
-) -> CheckResult:
-    wanted = math.hypot(desired.forward - actual[0], desired.turn_rate - actual[1])
-    is_ok = math.isclose(measured, wanted, rel_tol=0.02, abs_tol=0.005)
-    cause = error_cause(measured, (desired.forward, desired.turn_rate), actual)
-    return CheckResult(
-        what, f"{wanted:.3f}", f"{measured:.3f}", is_ok, error_hint(cause), cause or what
-    )
-
-
-def _average_results(
-    stats: Sequence[ControllerEvaluationStat], change: int
-) -> Iterator[CheckResult]:
-    """Yield the rows for the average before and after a change of the error to 0."""
-    goal = _GOAL.forward, _GOAL.turn_rate
-    differences = [goal] * change + [(0.0, 0.0)] * (len(stats) - change)
-    averages = [stat.average_error for stat in stats]
-    wrong = wrong_average(averages, differences)
-    cause = average_cause(averages, differences)
-    hint, key = average_hint(cause), cause.removeprefix(OF_ERRORS) or "average"
-    for what, start, end in (
-        ("average_error", 0, change),
-        ("average_error remembers", change, len(stats)),
-    ):
-        is_ok = wrong is None or not start <= wrong < end
-        index = end - 1 if is_ok or wrong is None else wrong
-        wanted = root_mean_square([math.hypot(*one) for one in differences[: index + 1]])
-        measured = f"{averages[index]:.3f} of {index + 1} samples"
-        yield CheckResult(what, f"{wanted:.3f}", measured, is_ok, hint, key)
-
-
-def _moving_result(
+def _moving_row(
     bench: TestBench, robot: _Robot, stats: Sequence[ControllerEvaluationStat]
 ) -> CheckResult:
     """Return the row for the last error of a robot that drives a circle."""
     robot.desire(_GOAL)
     actual = robot.drive()
-    result = partial(_error_result, "last_error of a moving robot", desired=_GOAL, actual=actual)
-    bench.wait(lambda: result(stats[-1].last_error).is_ok, _REACTION)
-    return result(stats[-1].last_error)
+    bench.wait(lambda: _sample(stats[-1], _GOAL, actual).is_right, _REACTION)
+    last = _sample(stats[-1], _GOAL, actual)
+    return error_row("last_error of a moving robot", [last])

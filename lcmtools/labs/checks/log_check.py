@@ -7,13 +7,13 @@ never desired cannot be judged; they are listed for each program.
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 from lcmtools.bag.log import Log
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import dolly, husky, path
 from lcmtools.labs.checks.check import Explanation
-from lcmtools.labs.checks.error_statistics import average_hint, error_cause, error_hint
+from lcmtools.labs.checks.diagnosis import velocity_of
+from lcmtools.labs.checks.evaluation import Sample, Velocity, log_rows
 from lcmtools.labs.checks.observations import TrueState
 from lcmtools.labs.checks.recorded_run import PATH, RecordedRun, read_run
 from lcmtools.labs.checks.results import CheckResult, Report
@@ -24,8 +24,6 @@ from lcmtools.types.nav_msgs import Odometry
 
 _EVERY = 5  # samples, until a step is looked at again
 _RECENT = 3  # odometry messages, one of which a sample of an evaluator is of
-_MOST = 0.95  # of the samples: those around a change of the desired velocity may be of either
-_NEAR = 0.005  # [m/s] and [rad/s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,85 +116,23 @@ def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
 
 
 def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
-    stats = [stat for _, stat in run.messages(program.publishes[0], ControllerEvaluationStat)]
-    if not stats:
-        yield _no_message(program, *program.publishes)
-        return
-    steps = [after.samples - before.samples for before, after in pairwise(stats)]
-    odd = len(steps) - steps.count(1)
-    yield CheckResult(
-        "samples",
-        "1 more each time",
-        f"{stats[0].samples} to {stats[-1].samples} in {len(stats)} messages",
-        is_ok=not odd,
-        hint=f"{odd} of {len(steps)} differ by another number, as they do if the recorder lost"
-        " messages (see lcmtools bag info)",
-    )
-    errors = list(_errors(run, program.publishes[0]))
-    right = [any(abs(stat.last_error - math.hypot(*e)) <= _NEAR for e in near)
-             for stat, near in errors]  # fmt: skip
-    wrong = [error for error, is_right in zip(errors, right, strict=True) if not is_right]
-    cause = error_cause(wrong[-1][0].last_error, wrong[-1][1][-1]) if wrong else ""
-    yield CheckResult(
-        "last_error",
-        f"{_MOST:.0%} match the odometry",
-        f"{sum(right)} of {len(right)}",
-        is_ok=sum(right) >= _MOST * len(right) > 0,
-        hint=error_hint(cause),
-    )
-    yield _average(stats)
+    samples = list(_samples(run, program.publishes[0]))
+    yield from log_rows(samples) if samples else [_no_message(program, *program.publishes)]
 
 
-def _errors(
-    run: RecordedRun, topic: str
-) -> Iterator[tuple[ControllerEvaluationStat, list[tuple[float, float]]]]:
-    """Yield each sample, with the errors of the odometry and desired velocities just before it."""
+def _samples(run: RecordedRun, topic: str) -> Iterator[Sample]:
+    """Yield an evaluator's messages, with the last velocities that came before each."""
     topics = (run.name("odometry"), run.name("desired_velocity"), topic)
-    every = sorted(
-        (recorded for name in topics for recorded in run.topics.get(name, ())),
-        key=lambda recorded: recorded.arrival,
-    )
-    velocities, desired = list[Twist](), list[Twist]()
-    for recorded in every:
-        if isinstance(recorded.message, Odometry):
-            velocities = [*velocities, recorded.message.twist.twist][-_RECENT:]
-        elif isinstance(recorded.message, Twist):
-            desired = [*desired, recorded.message][-2:]
-        elif isinstance(recorded.message, ControllerEvaluationStat) and velocities and desired:
-            yield (
-                recorded.message,
-                [
-                    (want.linear.x - has.linear.x, want.angular.z - has.angular.z)
-                    for want in desired
-                    for has in velocities
-                ],
-            )
-
-
-def _average(stats: Sequence[ControllerEvaluationStat]) -> CheckResult:
-    """Return the row for the average, whose square must include the square of each last error."""
-    pairs = [(a, b) for a, b in pairwise(stats) if b.samples == a.samples + 1]
-    right = sum(_includes(before, after, 2) for before, after in pairs)
-    is_mean = all(_includes(before, after, 1) for before, after in pairs)
-    return CheckResult(
-        "average_error remembers",
-        "each includes one more error",
-        f"{right} of {len(pairs)}",
-        is_ok=right == len(pairs),
-        hint=average_hint("the mean of the errors" if is_mean else ""),
-    )
-
-
-def _includes(
-    before: ControllerEvaluationStat, after: ControllerEvaluationStat, power: int
-) -> bool:
-    """Return True if an average of powers of the errors includes the last error."""
-    return math.isclose(
-        after.samples * after.average_error**power,
-        before.samples * before.average_error**power + after.last_error**power,
-        rel_tol=1e-6,
-        abs_tol=1e-9,
-    )
+    every = (recorded for name in topics for recorded in run.topics.get(name, ()))
+    measured, desired = list[Velocity](), list[Velocity]()
+    for recorded in sorted(every, key=lambda recorded: recorded.arrival):
+        message = recorded.message
+        if isinstance(message, Odometry) and (velocity := velocity_of(message.twist.twist)):
+            measured = [*measured, velocity][-_RECENT:]
+        elif velocity := velocity_of(message):
+            desired = [*desired, velocity][-2:]
+        elif isinstance(message, ControllerEvaluationStat) and measured and desired:
+            yield Sample(message, [(want, has) for want in desired for has in measured])
 
 
 def _path(run: RecordedRun, program: LabProgram) -> Rows:
@@ -266,6 +202,13 @@ JUDGES: Mapping[str, Judge] = {
     "mover": _mover,
 }
 """By the program's option."""
+
+
+def can_play(program: LabProgram) -> bool:
+    """Return whether a program's answers to a recorded drive can be judged."""
+    return program.option in (*JUDGES, "reader")
+
+
 _ELSEWHERE = {
     "teleop": "the keys that were pressed are",
     "viewer": "the picture that it saves is",

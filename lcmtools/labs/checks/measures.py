@@ -49,6 +49,11 @@ def _settled_after(samples: Sequence[tuple[float, float]], target: float) -> flo
     return settled
 
 
+def velocity_text(velocity: tuple[float, float]) -> str:
+    """Format a forward speed and a turn rate with their units."""
+    return "{:+.3f} m/s, {:+.3f} rad/s".format(*velocity)
+
+
 def fit_radius(points: Sequence[Point]) -> float | None:
     """Return the radius of the circle through points [m]; None if they form no arc.
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 
 from lcmtools.labs.checks.diagnosis import SELDOM, STRAYS, velocity_of
-from lcmtools.labs.checks.driving_keys import text_of
+from lcmtools.labs.checks.measures import velocity_text
 from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.program_rows import STOPS, early_end, first_command, stop_at_end
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.steering_formula import ANGLE, steering_cause
-from lcmtools.labs.checks.test_bench import STOPS, TestBench
+from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Path
 
@@ -107,7 +108,7 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
         return
     bench.path = [(pose.pose.position.x, pose.pose.position.y) for pose in paths[0].poses]
     program = bench.start(command)
-    first = bench.first_command("does it publish on /RosAria/cmd_vel?")
+    first = first_command(bench, "does it publish on /RosAria/cmd_vel?")
     yield first
     if not first.is_ok:
         return
@@ -124,9 +125,9 @@ def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult
     if program.code is None or has_driven:
         yield from results
         if has_driven and all(result.is_ok for result in results):
-            yield bench.stop_at_end()
+            yield stop_at_end(bench)
     else:
-        yield program.early_end("drives the path")
+        yield early_end("drives the path")
 
 
 def _driven(bench: TestBench, drive: DrivenPath) -> list[CheckResult]:
@@ -165,7 +166,9 @@ def _rest_row(bench: TestBench) -> CheckResult:
         lambda: is_at_rest() or bench.time > start + _STOPPING or program.code is not None,
         _STOPPING / bench.rate + _STOPPING,
     )
-    measured = "at rest" if is_at_rest() else text_of((motion[-1].forward, motion[-1].turn_rate))
+    measured = (
+        "at rest" if is_at_rest() else velocity_text((motion[-1].forward, motion[-1].turn_rate))
+    )
     text = "at the last point publish a Twist of 0, and no other after it"
     cause = Cause("no-stop", f"{text}: the robot keeps its last command")
     wanted = f"at rest within {_STOPPING:g} s"

@@ -17,8 +17,9 @@ from typing import NamedTuple
 
 from lcmtools.bag.log import Log
 from lcmtools.bag.rerunning.programs import Program, Tested
-from lcmtools.bag.rerunning.rerun import Input, rerun
+from lcmtools.bag.rerunning.rerun import rerun
 from lcmtools.bag.rerunning.rerun_report import Rerun, save
+from lcmtools.bag.rerunning.session import Input
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks import path
 from lcmtools.labs.checks.check import built
@@ -26,7 +27,7 @@ from lcmtools.labs.checks.checked_programs import own_path
 from lcmtools.labs.checks.choice import Run
 from lcmtools.labs.checks.diagnosis import velocity_of
 from lcmtools.labs.checks.dolly import last_scan, printed_rows
-from lcmtools.labs.checks.log_check import JUDGES, NotJudged, Rows, check_log
+from lcmtools.labs.checks.log_check import JUDGES, NotJudged, Rows, can_play, check_log
 from lcmtools.labs.checks.observations import last_failure
 from lcmtools.labs.checks.recorded_run import RecordedRun, known_topics
 from lcmtools.labs.checks.results import CheckResult, Report
@@ -53,13 +54,16 @@ class _Command(NamedTuple):
 _Desired = tuple[float, float, float]  # from a time of the log on [s]: forward, turning
 
 
-def check_rerun(lab: Lab, run: Run, log: str) -> tuple[Report, list[NotJudged]]:
-    """Return the report of a program that is run with a log, and what was not judged.
+def check_rerun(lab: Lab, run: Run, log: str) -> tuple[Report | None, list[NotJudged]]:
+    """Return the report of a program that is run with a log, if any, and what was not judged.
 
     Raises:
         LcmtoolsError: The program cannot be built or started, or the log has no topics of the lab.
     """
     program = run.program
+    if not can_play(program):
+        reason = "it is driven by keys, or shows a picture"
+        return None, [NotJudged(program.option, "all of it", reason)]
     lab = replace(lab, programs=(program,))
     with Log(log) as drive:
         known_topics(lab, drive)

@@ -15,8 +15,9 @@ from lcmtools.labs.checks.driving_keys import (
     key_result,
     speeds_result,
 )
+from lcmtools.labs.checks.program_rows import STOPS, early_end, nothing_within, stop_at_end
 from lcmtools.labs.checks.results import CheckResult
-from lcmtools.labs.checks.test_bench import STOPS, TestBench
+from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.types.geometry_msgs import Twist
 
@@ -97,7 +98,7 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
             yield CheckResult(what, "a speed above 0", "a Twist of 0", is_ok=False, hint=hint)
             return
         hint = "read single keys, without Enter (cbreak mode), and publish on /RosAria/cmd_vel"
-        yield program.nothing_within(_FIRST, what, wanted, f"{hint} after each")
+        yield nothing_within(program, _FIRST, what, wanted, f"{hint} after each")
         return
     yield CheckResult(what, wanted, "it comes", is_ok=True)
     speed, turn = abs(keyboard.settled("i")[0]) or 0.5, abs(keyboard.settled("j")[1]) or 1.0
@@ -110,7 +111,7 @@ def check_teleop(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     for key, meaning in DRIVING_KEYS.items():
         yield key_result(drives[key], f"{key}  {meaning}", drives)
     if program.code is not None:
-        yield program.early_end("answers to all keys")
+        yield early_end("answers to all keys")
         return
     for key, meaning in SPEED_KEYS.items():
         press, motion = _changed(bench, keyboard, key, motion)
@@ -162,6 +163,6 @@ def _pressed(keyboard: _Keyboard, key: str, motion: Motion, *, is_whole: bool = 
 
 def _stop_at_end(bench: TestBench, keyboard: _Keyboard) -> CheckResult:
     if keyboard.program.code is not None:
-        return keyboard.program.early_end(STOPS)
+        return early_end(STOPS)
     keyboard.settled("i")
-    return bench.stop_at_end()
+    return stop_at_end(bench)

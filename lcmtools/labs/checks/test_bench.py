@@ -10,7 +10,6 @@ import socket
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +19,8 @@ from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.labs.catalogue import Lab, LabProgram
 from lcmtools.labs.checks.bus_look import look_at_bus
 from lcmtools.labs.checks.checked_programs import CheckedProgram, own_path
-from lcmtools.labs.checks.diagnosis import LASTING, cause_of, velocity_of
-from lcmtools.labs.checks.driving_keys import text_of
 from lcmtools.labs.checks.observations import BusLook, Observations, last_words
 from lcmtools.labs.checks.recorder import BUMPER, Recorder
-from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.processes.process_guard import ProcessGuard
 from lcmtools.types.rosgraph_msgs import Log
 from lcmtools.types.sim_msgs import SetPose, SetRate
@@ -34,12 +30,9 @@ _START_TIMEOUT = 30.0  # time that a simulator has to start [s]
 _GROUP = "239.255.76.67"
 _SPIN_TIME = 0.05
 _OTHER_BUSES = ("LCMTOOLS_DOMAIN", "LCMTOOLS_NAMESPACE")
-_AFTER_END = 0.5  # [s] for messages that a program sent before it ended
+AFTER_END = 0.5  # [s] for messages that a program sent before it ended
 _SLOWEST_PRINT = 15.0  # [s] for the simulator to print a world's file
 _ANSWER_TIMEOUT = 5.0  # [s] for the simulator to answer a service's call
-_FIRST_MESSAGE = 10.0  # [s] from a program's start
-STOPS = "stops at the end"  # the row of a last command
-_EARLY = 3.0  # [s] after which a program that is silent is looked at
 
 
 class TimeLimitReached(Exception):  # noqa: N818 - no error: a result
@@ -120,41 +113,18 @@ class TestBench:
         self.program = self._running.enter_context(self._start(command, has_keys=has_keys))
         return self.program
 
-    def first_command(self, hint: str) -> CheckResult:
-        """Wait for the program's first command; return its row, with a hint if none comes."""
-        row = CheckResult("commands the robot", "messages that come", "they come", is_ok=True)
-        return self.first(lambda: self.recorder.commands, _FIRST_MESSAGE, replace(row, hint=hint))
+    def running(self) -> CheckedProgram:
+        """Return the program under check, which has been started."""
+        assert self.program is not None
+        return self.program
 
-    def first(
-        self, has_come: Callable[[], object], patience: float, row: CheckResult
-    ) -> CheckResult:
-        """Wait for the program's first result; return ``row``, or the row of a failure.
-
-        The wait takes ``patience`` [s] at most, and is shorter if a cause of failure is certain.
-        ``row`` has the hint for the failure.
-        """
-        program, start = self.program, time.monotonic()
-        assert program is not None
-
-        def is_over() -> bool:
-            return bool(has_come()) or program.code is not None
-
-        def failure() -> CheckResult:
-            seconds = round(time.monotonic() - start)
-            return program.nothing_within(seconds, row.what, row.wanted, row.hint)
-
-        if not self.wait(is_over, min(_EARLY, patience)) and patience > _EARLY:
-            if cause_of(failure(), self.observe()).key in LASTING:
-                patience = 0.0
-            else:
-                self._bus_look = None  # a later one shows more
-            self.wait(is_over, max(_SPIN_TIME, start + patience - time.monotonic()))
-        return row if has_come() else failure()
+    def look_again(self) -> None:
+        """Forget how the bus looked when it was last observed."""
+        self._bus_look = None
 
     def observe(self) -> Observations:
         """Return the observations so far; the bus is observed once while the program runs."""
-        program, recorder = self.program, self.recorder
-        assert program is not None
+        program, recorder = self.running(), self.recorder
         if self._bus_look is None and program.code is None:
             self._bus_look = look_at_bus(self._url, program.pid)
             lcmtools.spin_once(self.node)  # what came meanwhile, with the time
@@ -189,24 +159,12 @@ class TestBench:
             if now > self._deadline:
                 raise TimeLimitReached
             if not has_ended and self.program and self.program.code is not None:
-                has_ended, deadline = True, min(deadline, now + _AFTER_END)
+                has_ended, deadline = True, min(deadline, now + AFTER_END)
             left = deadline - now
             if left <= 0:
                 return False
             lcmtools.spin_once(self.node, min(left, _SPIN_TIME))
         return True
-
-    def stop_at_end(self) -> CheckResult:
-        """End the program by Ctrl-C if it runs; return the row for its last command, a Twist."""
-        program, commands = self.program, self.recorder.commands
-        assert program is not None
-        ends = program.code is not None or program.ends_on_interrupt()
-        stops = self.wait(lambda: not any(velocity_of(commands[-1].message) or ()), _AFTER_END)
-        measured = "it comes" if stops else text_of(velocity_of(commands[-1].message) or (0.0, 0.0))
-        text = "publish a final Twist of 0, also at Ctrl-C: the robot keeps its last command"
-        cause = Cause("no-stop", text) if ends else program.why_it_goes_on()
-        wanted = "a final Twist of 0"
-        return CheckResult(STOPS, wanted, measured, stops, cause.text, cause.key)
 
     def reset_pose(self) -> None:
         """Move the robot to the origin, at rest; LcmtoolsError if the simulator refuses."""

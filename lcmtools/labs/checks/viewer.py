@@ -9,6 +9,7 @@ from lcmtools.errors import LcmtoolsError
 from lcmtools.folders import read_bytes
 from lcmtools.labs.checks.diagnosis import UNLIKE
 from lcmtools.labs.checks.measures import GOOD, explained
+from lcmtools.labs.checks.program_rows import first
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.messages.pictures import Picture, read_file, read_picture
@@ -46,13 +47,13 @@ def check_viewer(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResu
     what, wanted = "saves a picture", "an image file"
     hint = f"does it subscribe to {_DEPTH}, and save the picture where --save or {PICTURE} says?"
     row = CheckResult(what, wanted, "it comes", is_ok=True, hint=hint)
-    first = bench.first(has_come, _PICTURE, row)
-    if not first.is_ok and file.exists():
+    row = first(bench, has_come, _PICTURE, row)
+    if not row.is_ok and file.exists():
         hint = "save it as PNG, JPEG or PGM"
         yield CheckResult(what, wanted, "a file that is not a picture", is_ok=False, hint=hint)
         return
-    if not first.is_ok:
-        yield first
+    if not row.is_ok:
+        yield row
         return
     yield CheckResult(what, wanted, "{} x {} pixels".format(*seen[0].image.size), is_ok=True)
     part, reason = 0.0, ""

@@ -111,7 +111,8 @@ def check_recorded(lab: Lab, path: str, runs: Sequence[Run], show: Show) -> Outc
     """
     if runs:
         found = [check_rerun(lab, run, path) for run in runs]
-        reports, others = [one for one, _ in found], [other for _, some in found for other in some]
+        reports = [one for one, _ in found if one]
+        others = [other for _, some in found for other in some]
     else:
         with Log(path) as log:
             reports, others = check_log(lab, log)
@@ -155,7 +156,8 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
 
         if show is not show_nothing:
             text = f"simulates the programs, {checker.jobs} at a time: about {_USUAL} s each,"
-            waiting.write_note(f"{text} {_LONGER}")
+            played = f"runs the programs with the recorded drive, {checker.jobs} at a time"
+            waiting.write_note(played if checker.is_played else f"{text} {_LONGER}")
         waiting.write(f"checking the submissions in {folder} ...")
         found = checker.run(folder, show_report)
         waiting.clear()

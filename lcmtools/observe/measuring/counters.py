@@ -51,14 +51,12 @@ def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
     return overall if fits else mean
 
 
-def busy_share(earlier: Node, later: Node, busy: int | None = None) -> float | None:
+def busy_share(earlier: Node, later: Node) -> float | None:
     """Return the part of the time between two announcements spent in callbacks, 1 at most.
 
-    ``busy`` is the time in the callbacks that count [ns]; None for all of them. Returns None if the
-    announcements are too close together, or have no time of sending.
+    None if the announcements are too close together, or have no time of sending.
     """
-    span = later.sent - earlier.sent
-    spent = later.busy - earlier.busy if busy is None else busy
+    span, spent = later.sent - earlier.sent, later.busy - earlier.busy
     if not earlier.sent or span < _SHORTEST or spent < 0:
         return None
     return min(1.0, spent / span)

@@ -40,6 +40,7 @@ def _is_young(pid: int) -> bool:
 
 def _bus(words: str, environment: Mapping[str, str]) -> BusUrl | None:
     """Return the bus that a command line and an environment select; None for a wrong choice."""
+    words = re.sub("\0(--lcm-url|--domain)=", "\0\\1\0", words)
     given = dict(pairwise(words.split("\0")))
     try:
         file = read_user_file(environment)

@@ -18,9 +18,7 @@ def point(positions, effort):
 
 
 def text(data):
-    message = String()
-    message.data = data
-    return message
+    return String(data=data)
 
 
 def exported(cli, tmp_path, messages, code=0):

@@ -174,13 +174,11 @@ def test_saved_state_places_models_and_links_in_the_world(tmp_path):
         + model("gone", f"<link name='k'>{BODY}</link>")
     )
     (tmp_path / "yard.world").write_text(f"<sdf><world name='w'>{inside}{STATE}</world></sdf>")
-
     scene = read_scene((tmp_path / "yard.world").read_text(), str(tmp_path / "yard.world"))
     moved = read_scene(
         "objects:\n- {type: sdf, file: yard.world, pose: [1, 2, 3, 0.1, 0.2, 0.3]}",
         str(tmp_path / "mine.yaml"),
     )
-
     expected = {
         "moved::k": matrix(C),  # a link's own pose is in the world, too
         "moved::o": matrix(B) @ matrix(A),

@@ -11,7 +11,6 @@ from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.graph.model import Endpoint, Node, Role
 from lcmtools.graph.protocol import Announcement, decode_announcement, encode_announcement
-from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.types.std_msgs import Float64, String
@@ -25,15 +24,11 @@ _TYPE = RecordedType("a_msgs/A", 5, "a_msgs/A.lcm", "package a_msgs; struct A { 
 
 
 def _number(value):
-    message = Float64()
-    message.data = value
-    return encode(message)
+    return Float64(data=value).encode()
 
 
 def _text(text):
-    message = String()
-    message.data = text
-    return encode(message)
+    return String(data=text).encode()
 
 
 @pytest.fixture(autouse=True)

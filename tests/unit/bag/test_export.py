@@ -36,9 +36,7 @@ def _twist(number):
 
 
 def _names(size):
-    joints = JointState()
-    joints.name = [str(number) for number in range(size)]
-    return joints
+    return JointState(name=[str(number) for number in range(size)])
 
 
 def _transforms(size):

@@ -85,19 +85,25 @@ def test_terms_of_the_whole_log(capsys):
     [
         (
             "topics:\n  /a:\n    min_rat: 3\n",
-            "c.yaml:3: unknown key 'min_rat'; did you mean min_rate?",
+            "c.yaml:3: unknown key 'min_rat' in '/a'; did you mean min_rate?",
         ),
-        ("topics:\n  /a:\n    min_rate: fast\n", "c.yaml:3: min_rate is not a number"),
-        ("topics: 3\n", "c.yaml:1: not a mapping; write  topics:  and names below it"),
-        ("others: maybe\n", "c.yaml:1: others must be true or false"),
+        (
+            "topics:\n  /a:\n    min_rate: fast\n",
+            "c.yaml:3: 'min_rate' must be a number, not 'fast'",
+        ),
+        (
+            "topics: 3\n",
+            "c.yaml:1: 'topics' must be a mapping (key: value), not a single value",
+        ),
+        ("others: maybe\n", "c.yaml:1: 'others' must be true or false, not 'maybe'"),
         (
             "topics:\n  /a:\n    match: time\n",
-            "c.yaml:3: match must be stamp or order",
+            "c.yaml:3: 'match' must be stamp or order, not 'time'",
         ),
         (
             "topics:\n  /a:\n    fields: {x: 5 %}\n",
             (
-                "c.yaml:3: that is no tolerance for x; "
+                "c.yaml:3: '5 %' is no tolerance for x; "
                 "write a number, a percentage such as 5%, angle or ignore"
             ),
         ),

@@ -26,9 +26,7 @@ _ONE = Sender("10.0.0.7", 4001)
 
 
 def _string(text):
-    message = String()
-    message.data = text
-    return encode(message)
+    return String(data=text).encode()
 
 
 @pytest.fixture

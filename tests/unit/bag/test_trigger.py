@@ -4,16 +4,13 @@ import pytest
 
 from lcmtools.bag.ring import Trigger
 from lcmtools.errors import ValueMismatch
-from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.find import GLOBAL
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Packet
 
 
 def joints(*efforts):
-    message = JointState()
-    message.effort = efforts
-    return Packet("/joints", encode(message), 0)
+    return Packet("/joints", JointState(effort=efforts).encode(), 0)
 
 
 def trigger(condition):

@@ -60,7 +60,6 @@ def describe(path):
 def test_the_words_before_say_what_the_word_is(typed, kind, before):
     *words, word = typed.removesuffix("|").split(" ")
     place = locate(words, word, describe)
-    assert place is not None
     assert (place.source or place.kind, place.before) == (kind, before)
 
 
@@ -72,13 +71,11 @@ def test_a_command_that_does_not_exist_has_no_completion():
 def test_what_stands_before_is_known_by_the_parameters_names():
     words = ["--lcm-url", "tcpq://", "echo", "/a", "--field", "x", "--field=y"]
     place = locate(words, "", describe)
-    assert place is not None
     assert place.given == {"lcm_url": ["tcpq://"], "topic": ["/a"], "fields": ["x", "y"]}
 
 
 def test_an_option_is_offered_once_unless_it_repeats_and_a_hidden_one_never():
     place = locate(["echo", "--once", "--field", "x"], "-", describe)
-    assert place is not None
     offered = [name for option in place.unused_options() for name in option.names]
     assert offered == ["--field", "-n", "--lcm-url"]
 

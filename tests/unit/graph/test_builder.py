@@ -38,7 +38,6 @@ def _publisher(topic, *fingerprints):
 def test_an_announced_node_is_known_with_its_sender_and_time():
     builder = GraphBuilder()
     announcement = _announce(builder, _node(), time=5)
-    assert announcement is not None
     assert announcement.node.name == "/a"
     (node,) = builder.snapshot(5).nodes
     assert (node.name, node.sender, node.last_announced, node.stale) == ("/a", _ALICE, 5, "")

@@ -5,7 +5,6 @@ import threading
 
 from fixtures.gui import FakeSource
 
-from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import findings
 from lcmtools.gui.streams.findings import DoctorFindings
 
@@ -23,7 +22,7 @@ def test_closing_ends_a_look_that_is_just_being_started(monkeypatch):
         return looks[0]
 
     monkeypatch.setattr(findings.subprocess, "Popen", start_slowly)
-    stream = DoctorFindings(FakeSource(), Parameters({}))
+    stream = DoctorFindings(FakeSource())
     assert starts.wait(10)
     threading.Timer(0.1, may_go_on.set).start()
     stream.close()

@@ -3,7 +3,6 @@
 import pytest
 from fixtures.gui import FakeSource
 
-from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams.frame_tree import FrameTree
 from lcmtools.types.geometry_msgs import TransformStamped
 from lcmtools.types.std_msgs import String
@@ -29,7 +28,7 @@ def source():
 
 
 def opened(source):
-    stream = FrameTree(source, Parameters({}))
+    stream = FrameTree(source)
     stream.update()
     return stream
 

@@ -6,8 +6,8 @@ from fixtures.protocol.messages import NODE
 
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
+from lcmtools.graph.drawing.subgraph import DiagramOptions
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
-from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams.graph import GraphMaker
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reports.bus_diagram import diagram_of
@@ -25,8 +25,9 @@ def _diagram(*more):
     return Diagram(members, channels, edges)
 
 
-def _made(diagram, **flags):
-    return GraphMaker(Parameters(flags)).make(diagram)
+def _made(diagram, *, topics=True, groups=False, **options):
+    maker = GraphMaker(DiagramOptions(**options), has_topics=topics, has_groups=groups)
+    return maker.make(diagram)
 
 
 def test_data_flow_from_left_to_right():
@@ -51,7 +52,7 @@ def test_each_namespace_has_a_band():
 
 
 def test_places_stay_when_something_comes_and_ids_are_others():
-    maker = GraphMaker(Parameters({}))
+    maker = GraphMaker(DiagramOptions())
     first = maker.make(_diagram())
     again = maker.make(_diagram())
     assert again == first

@@ -8,7 +8,6 @@ import pytest
 from fixtures.gui import FakeSource
 from fixtures.says import assert_says
 
-from lcmtools.gui.protocol import MalformedRequest, Parameters
 from lcmtools.gui.streams.image import NewestImage
 from lcmtools.types.sensor_msgs import CompressedImage, Image
 from lcmtools.types.std_msgs import String
@@ -16,7 +15,7 @@ from lcmtools.types.std_msgs import String
 
 def _open(source, **parameters):
     source.know(camera=Image)
-    return NewestImage(source, Parameters({"topic": "/camera", **parameters}))
+    return NewestImage(source, topic="/camera", **parameters)
 
 
 def _image(encoding, width, height, data):
@@ -45,7 +44,6 @@ def test_the_newest_image_comes_once():
     source.put("/camera", _image("mono8", 2, 1, b"ab"), 1.0)
     source.put("/camera", _image("mono8", 2, 1, b"cd"), 2.0)
     update = stream.update()
-    assert update is not None
     assert update.payload == b"cd"
     assert (update.data["count"], update.data["time"]) == (2, 2.0)
     assert stream.update() is None
@@ -72,7 +70,6 @@ def test_depth_comes_with_its_unit_and_its_numbers():
     stream = _open(source)
     source.put("/camera", _image("16UC1", 2, 2, struct.pack("<4H", 0, 1, 2, 65535)))
     update = stream.update()
-    assert update is not None
     assert update.payload == struct.pack("<4H", 0, 1, 2, 65535)
     expected = {"kind": "depth", "number": "H", "unit": "mm", "width": 2, "height": 2, "step": 1}
     assert {name: update.data[name] for name in expected} == expected
@@ -83,7 +80,6 @@ def test_no_more_pixels_come_than_the_page_shows():
     stream = _open(source, pixels=1000)
     source.put("/camera", _image("mono8", 100, 50, bytes(range(250)) * 20))
     update = stream.update()
-    assert update is not None
     assert (update.data["step"], update.data["columns"], update.data["rows"]) == (3, 34, 17)
     assert (update.data["width"], update.data["height"]) == (100, 50)
     assert len(update.payload or b"") == 34 * 17
@@ -112,7 +108,6 @@ def test_files_of_images_come_as_they_are(data, kind):
     stream = _open(source)
     source.put("/camera", _file("x", data))
     update = stream.update()
-    assert update is not None
     assert (update.payload, update.data["file"]) == (data, kind)
     assert "kind" not in update.data
 
@@ -123,7 +118,6 @@ def test_a_png_file_of_16_bits_is_depth():
     data = _png(4, 3, 16, 0)
     source.put("/camera", _file("16UC1; compressedDepth png", b"twelve bytes" + data))
     update = stream.update()
-    assert update is not None
     assert update.payload == data
     expected = {"kind": "depth", "unit": "mm", "width": 4, "height": 3}
     assert {name: update.data[name] for name in expected} == expected
@@ -156,10 +150,5 @@ def test_what_cannot_be_drawn_is_a_problem_until_an_image_comes(message, problem
 def test_an_unknown_topic_is_named_with_the_near_one():
     source = FakeSource()
     source.know(camera=Image)
-    stream = NewestImage(source, Parameters({"topic": "/camra"}))
+    stream = NewestImage(source, topic="/camra")
     assert_says(stream.problem(), "no topic /camra", "did you mean /camera?")
-
-
-def test_pixels_have_to_be_a_number():
-    with pytest.raises(MalformedRequest):
-        NewestImage(FakeSource(), Parameters({"topic": "/camera", "pixels": "many"}))

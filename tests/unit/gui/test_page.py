@@ -7,7 +7,6 @@ import pytest
 from fixtures.gui import FakeSource
 
 from lcmtools.gui.page import _Subscription
-from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams.base import PageStream, Update
 from lcmtools.gui.streams.pool import OpenStream
 
@@ -26,7 +25,7 @@ class Counting(PageStream):
 
 @pytest.mark.parametrize("is_paced", [False, True])
 def test_an_update_of_a_paced_stream_waits_until_the_page_has_taken_the_last(*, is_paced):
-    stream = OpenStream(Counting(FakeSource(), Parameters({})))
+    stream = OpenStream(Counting(FakeSource()))
     shown = _Subscription(1, stream, is_paced=is_paced)
     shown.go_on()  # for a stream of this number before
     assert shown.next_frame(10.0)

@@ -3,13 +3,16 @@
 import itertools
 import json
 import math
+from typing import Annotated
 
 import pytest
 
+from lcmtools.formats.typed import Within
 from lcmtools.gui.protocol import (
+    Json,
     MalformedRequest,
-    Parameters,
     binary_frame,
+    json_arguments,
     read_request,
     text_frame,
 )
@@ -39,26 +42,42 @@ def test_a_requests_number_is_a_small_one(number):
         read_request(json.dumps({"op": "close", "id": number}, allow_nan=True)).id  # noqa: B018
 
 
+def asked(
+    *,
+    fields: tuple[str, ...],
+    width: Annotated[float, Within(1, 500)] = 320,
+    raw: bool = False,
+    values: Json = None,
+):
+    """A request's function."""
+
+
 def test_a_request_has_its_parameters():
     request = read_request('{"op": "open", "id": 7, "stream": "plot", "fields": ["/a/x", "/b"]}')
-    assert (request.op, request.id, request.text("stream")) == ("open", 7, "plot")
-    parameters = request.without("op", "id", "stream")
-    assert parameters.texts("fields") == ("/a/x", "/b")
-    assert parameters.key == '{"fields": ["/a/x", "/b"]}'
-    assert parameters.number("width", 320) == 320
-    assert parameters.flag("raw") is False
-    assert parameters.value("none") is None
+    assert (request.op, request.id, request.stream) == ("open", 7, "plot")
+    assert request.arguments(asked) == {"fields": ("/a/x", "/b")}
+    values = {"fields": [], "width": 9, "raw": True, "values": {"a": [1]}}
+    assert json_arguments(asked, values) == {**values, "fields": ()}
 
 
-def test_parameters_are_checked():
-    values = Parameters({"a": "x" * 2000, "b": True, "c": ["x", 7], "d": 5, "e": ["x"] * 2000})
-    for read in (
-        *(lambda: values.text("a"), lambda: values.text("missing"), lambda: values.number("b")),
-        *(lambda: values.texts("c"), lambda: values.texts("d"), lambda: values.texts("e")),
-        *(lambda: values.number("d", highest=4), lambda: values.flag("d")),
-    ):
-        with pytest.raises(MalformedRequest):
-            read()
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({}, "'request' lacks the key 'fields'"),
+        ({"fields": None}, "'request' lacks the key 'fields'"),
+        ({"fields": 5}, "'fields' must be a list, not a single value"),
+        ({"fields": ["x", 7]}, "'fields[1]' is not a short text"),
+        ({"fields": ["x" * 2000]}, "'fields[0]' is not a short text"),
+        ({"fields": [], "width": True}, "'width' must be a number"),
+        ({"fields": [], "width": 501}, "'width' must be between 1 and 500, not 501"),
+        ({"fields": [], "raw": "yes"}, "'raw' is neither true nor false"),
+        ({"fields": [], "widht": 7}, "unknown key 'widht' in 'request'; did you mean width?"),
+    ],
+)
+def test_parameters_are_checked(values, reason):
+    with pytest.raises(MalformedRequest) as caught:
+        json_arguments(asked, values)
+    assert str(caught.value) == reason
 
 
 def test_numbers_that_json_lacks_are_texts_and_null_is_a_missing_value():
@@ -79,7 +98,8 @@ def test_a_payload_begins_at_a_multiple_of_eight(name):
 @pytest.mark.parametrize("table", [ASKS, ACTIONS])
 def test_each_request_has_its_function(table):
     for name in table:
-        assert callable(answer(name, table))
+        with pytest.raises(MalformedRequest, match="unknown key 'none of its'"):
+            json_arguments(answer(name, table), {"none of its": 7})
     with pytest.raises(MalformedRequest, match="there is no request 'x'"):
         answer("x", table)
 
@@ -87,3 +107,5 @@ def test_each_request_has_its_function(table):
 @pytest.mark.parametrize("name", STREAMS)
 def test_each_stream_has_its_class(name):
     assert issubclass(stream_class(name), PageStream)
+    with pytest.raises(MalformedRequest, match="unknown key 'none of its'"):
+        json_arguments(stream_class(name), {"none of its": 7})

@@ -68,7 +68,7 @@ def _steering():
 
 
 def _request(op, **values):
-    return PageRequest({"op": op, "id": 1, "topic": "/v", "type": _TWIST, **values})
+    return PageRequest(op, 1, values={"topic": "/v", "type": _TWIST, **values})
 
 
 _DRIVE = _request("drive", forward=0.5, turn=-0.25)

@@ -3,20 +3,20 @@
 import pytest
 
 from lcmtools.errors import UnknownType, ValueMismatch
-from lcmtools.gui.protocol import MalformedRequest, Parameters
+from lcmtools.gui.protocol import MalformedRequest
 from lcmtools.gui.type_forms import describe, filled_in
 
 NOTHING = None  # a type is the same on every source
 
 
 def described(name):
-    found = describe(NOTHING, Parameters({"type": name}))
+    found = describe(NOTHING, type=name)
     assert isinstance(found, dict)
     return found
 
 
 def message(kind, **values):
-    return filled_in(Parameters({"type": kind, "values": values})).message
+    return filled_in(kind, values).message
 
 
 def test_a_type_has_its_comments_units_and_defaults():
@@ -61,7 +61,7 @@ def test_an_array_is_yaml_and_an_empty_one_stays():
 
 def test_now_is_the_moment_of_sending():
     values = {"header": {"stamp": "now", "frame_id": "map"}}
-    template = filled_in(Parameters({"type": "geometry_msgs/PoseStamped", "values": values}))
+    template = filled_in("geometry_msgs/PoseStamped", values)
     sent = template.at(5_000_000_007)
     assert (sent.header.stamp.sec, sent.header.frame_id) == (5, "map")
 
@@ -76,4 +76,4 @@ def test_a_value_that_does_not_fit_names_its_field():
 @pytest.mark.parametrize("values", [None, 7, [], {"linear": [1, 2]}, {"linear": {"x": None}}])
 def test_what_no_form_sends_is_rubbish(values):
     with pytest.raises(MalformedRequest):
-        filled_in(Parameters({"type": "geometry_msgs/Twist", "values": values}))
+        filled_in("geometry_msgs/Twist", values)

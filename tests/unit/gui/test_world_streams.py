@@ -12,7 +12,6 @@ from fixtures.says import assert_says
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.gui import drawings
 from lcmtools.gui.drawings import DRAWINGS, MarkerScene, drawing_kinds
-from lcmtools.gui.protocol import Parameters
 from lcmtools.gui.streams import STREAMS
 from lcmtools.gui.streams.pool import OpenStream
 from lcmtools.gui.streams.world import Drawable, Frames, Markers, Newest
@@ -29,12 +28,7 @@ from lcmtools.types.visualization_msgs import Marker, MarkerArray
 HALF = math.sqrt(0.5)
 
 
-def on(topic):
-    return Parameters({"topic": topic})
-
-
 def numbers(update):
-    assert update is not None
     assert update.payload is not None
     return [round(one, 4) for one in array("f", bytes(update.payload))]
 
@@ -60,7 +54,6 @@ def marker(number, action=Marker.ADD, life=0):
 
 def ids(update):
     """The number of markers of an update."""
-    assert update is not None
     shown = update.data["markers"]
     assert isinstance(shown, list)
     return len(shown)
@@ -72,11 +65,8 @@ def test_topics_that_can_be_drawn_and_simulators_are_listed():
     service = Endpoint("/morse/set_pose", Role.SERVICE, types=("sim_msgs/SetPose",))
     node = Node("/morse", "1", "here", 1, endpoints=(service,))
     source.latest = Snapshot(source.latest.rows, graph=Graph(nodes=(node,)))
-    stream = Drawable(source, Parameters({}))
-
+    stream = Drawable(source)
     update = stream.update()
-
-    assert update is not None
     topics = update.data["topics"]
     assert isinstance(topics, list)
     assert [(one["topic"], one["type"], one["kind"]) for one in topics] == [
@@ -91,9 +81,7 @@ def test_the_page_has_code_for_each_kind_of_drawing_and_no_other():
     panels = FilePath(drawings.__file__).parent / "static" / "panels"
     source = (panels / "world" / "drawings.js").read_text()
     (table,) = re.findall(r"^export const KINDS = \{$(.*?)^\};$", source, re.MULTILINE | re.DOTALL)
-
     kinds = re.findall(r"^  (\w+): \{", table, re.MULTILINE)
-
     assert sorted(kinds) == sorted(set(drawing_kinds().values()))
     assert set(re.findall(r'stream: "(\w+)"', table)) <= STREAMS.keys()
 
@@ -102,27 +90,22 @@ def test_pages_get_what_they_share_once_until_it_changes(monkeypatch):
     monkeypatch.setattr(Drawable, "period", 0.0)
     source = FakeSource()
     source.know(tf=TFMessage)
-    shown = OpenStream(Drawable(source, Parameters({})))
+    shown = OpenStream(Drawable(source))
     for _ in range(2):
         shown.refresh()
     assert shown.version == 1
-
     source.know(scan=LaserScan)
     shown.refresh()
-
     assert shown.version == 2
 
 
 def test_frames_of_all_messages_are_kept_each_where_it_was_last():
     source = FakeSource()
-    stream = Frames(source, on("/tf"))
+    stream = Frames(source, topic="/tf")
     source.put("/tf", transforms(("odom", "a", 1), ("a", "laser", 3), sec=4), time=10.0)
     source.put("/tf", transforms(("odom", "b", 2)))
     source.put("/tf", transforms(("odom", "a", 5), sec=7), time=12.0)
-
     update = stream.update()
-
-    assert update is not None
     assert update.data["frames"] == [["odom", "a"], ["a", "laser"], ["odom", "b"]]
     assert (update.data["time"], update.data["stamp"]) == (12.0, 7.0)
     assert numbers(update)[::7] == [5, 3, 2]
@@ -140,10 +123,9 @@ def test_frames_of_all_messages_are_kept_each_where_it_was_last():
 )
 def test_a_frame_that_cannot_be_placed_is_told_and_the_others_stay(parent, child, x, said):
     source = FakeSource()
-    stream = Frames(source, on("/tf"))
+    stream = Frames(source, topic="/tf")
     source.put("/tf", transforms(("odom", "a", 1), (parent, child, x)), time=1.0)
     update = stream.update()
-    assert update is not None
     assert update.data["frames"] == [["odom", "a"]]
     assert_says(stream.problem(), "/tf: the frame", said)
     source.put("/tf", transforms(("odom", "a", 2)), time=2.0)
@@ -166,7 +148,7 @@ def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
     *, sent, now, is_latched, old
 ):
     source = FakeSource()
-    stream = Frames(source, on("/tf"))
+    stream = Frames(source, topic="/tf")
     end = Endpoint("/tf", Role.PUBLISHER, types=("tf2_msgs/TFMessage",), latched=is_latched)
     nodes = (Node("/n", "1", "here", 1, endpoints=(end,)),)
     for time, child in sorted((time, child) for child, times in sent.items() for time in times):
@@ -179,7 +161,6 @@ def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
         assert_says(stream.problem(), "old: 1 of", "'a' for")
         source.put("/tf", transforms(("odom", "a", 1)), time=now)
         update = stream.update()
-        assert update is not None
         assert update.data["old"] == []
         assert "old" not in stream.problem()
 
@@ -187,14 +168,14 @@ def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
 @pytest.mark.parametrize(("messages", "is_old"), [(2, False), (3, True)])
 def test_a_frame_that_has_come_once_is_as_old_as_its_topic(*, messages, is_old):
     source = FakeSource()  # a page that is opened late has the last message only
-    stream = Frames(source, on("/tf"))
+    stream = Frames(source, topic="/tf")
     source.put("/tf", transforms(("odom", "a", 1)), time=1.0)
     stream.update()
     senders = ("/one", "/other")  # that have sent one each, or more
     row = ChannelRow("/tf", messages=messages, rate=0.0, age=16.0, senders=senders)
     source.latest = Snapshot((row,), graph=Graph(time=17_000_000_000))
     stream.update()
-    assert stream.problem() == ("old: 1 of 1 frames, 'a' for 16 s" if is_old else "")
+    assert stream.problem() == ("old: 1 of 1 frame, 'a' for 16 s" if is_old else "")
 
 
 def two_points(**values):
@@ -236,7 +217,7 @@ def cells(width, height, resolution=0.05):
 )
 def test_messages_that_contradict_themselves_are_told(message, said):
     source = FakeSource()
-    stream = Newest(source, on("/x"))
+    stream = Newest(source, topic="/x")
     source.put("/x", message)
     assert (stream.update() is None) == bool(said)
     assert said in stream.problem()
@@ -250,7 +231,7 @@ def test_a_topic_that_was_sent_repeatedly_is_old_when_it_falls_silent(rate, age,
     source = FakeSource()
     row = ChannelRow("/scan", ("sensor_msgs/LaserScan",), messages=messages, rate=rate, age=age)
     source.latest = Snapshot((row,))
-    update = Drawable(source, Parameters({})).update()
+    update = Drawable(source).update()
     topics = update and update.data["topics"]
     assert topics[0]["silence"] == silence
 
@@ -262,23 +243,19 @@ def test_markers_come_and_go_and_end():
     scene.add(message, 100.0)
     assert ids(scene.drawing(100.0)) == 3
     assert scene.drawing(101.0) is None
-
     scene.add(marker(1, Marker.DELETE), 101.0)
     assert ids(scene.drawing(101.0)) == 2
     assert ids(scene.drawing(105.5)) == 1
-
     scene.add(marker(0, Marker.DELETEALL), 106.0)
     assert ids(scene.drawing(106.0)) == 0
 
 
 def test_markers_that_are_sent_again_as_they_are_change_nothing():
     source = FakeSource()
-    stream = Markers(source, on("/world"))
+    stream = Markers(source, topic="/world")
     source.put("/world", marker(1))
     update = stream.update()
     source.put("/world", marker(1))
-
-    assert update is not None
     assert update.data["markers"] == [
         {
             "ns": "a",
@@ -297,17 +274,14 @@ def test_markers_that_are_sent_again_as_they_are_change_nothing():
 
 def test_of_other_topics_the_newest_message_is_sent():
     source = FakeSource()
-    stream = Newest(source, on("/scan"))
+    stream = Newest(source, topic="/scan")
     for first in (1.0, 2.0):
         scan = LaserScan()
         scan.header.frame_id, scan.angle_min, scan.range_max = "laser", -1.0, 9.0
         scan.ranges = [first, math.inf]
         source.put("/scan", scan, time=first)
-
     update = stream.update()
-
     assert numbers(update) == [2, math.inf]
-    assert update is not None
     found = {name: update.data[name] for name in ("kind", "frame", "first", "longest", "time")}
     assert found == {"kind": "scan", "frame": "laser", "first": -1, "longest": 9, "time": 2}
     assert stream.update() is None
@@ -316,22 +290,19 @@ def test_of_other_topics_the_newest_message_is_sent():
 def test_a_topic_that_cannot_be_drawn_and_one_that_is_not_there_are_told():
     source = FakeSource()
     source.know(chatter=String)
-    stream = Newest(source, on("/chatter"))
+    stream = Newest(source, topic="/chatter")
     source.put("/chatter", String())
     assert stream.update() is None
     assert_says(stream.problem(), "/chatter: ", "cannot draw", "std_msgs/String")
-
-    assert "did you mean /chatter?" in Newest(source, on("/chater")).problem()
+    assert "did you mean /chatter?" in Newest(source, topic="/chater").problem()
 
 
 def test_what_has_come_once_may_be_silent():
     source = FakeSource()
-    stream = Newest(source, on("/path"))
+    stream = Newest(source, topic="/path")
     assert_says(stream.problem(), "no topic /path", "waiting")
-
     source.put("/path", Path())
     stream.update()
-
     assert stream.problem() == ""
 
 
@@ -368,7 +339,6 @@ def path():
 )
 def test_poses_are_seven_numbers(message, about, payload):
     update = DRAWINGS[type(message)].convert(message)
-
     for name, value in about.items():
         assert update.data[name] == (pytest.approx(value) if name == "pose" else value)
     assert (update.payload and numbers(update)) == payload
@@ -380,9 +350,7 @@ def test_a_cloud_is_sent_as_it_is_with_the_places_of_its_fields():
     field.name, field.offset, field.datatype = "x", 4, PointField.FLOAT32
     cloud.fields, cloud.width, cloud.height, cloud.point_step = [field], 2, 1, 8
     cloud.data = bytes(range(16))
-
     update = DRAWINGS[PointCloud2].convert(cloud)
-
     assert update.data["fields"] == [["x", 4, PointField.FLOAT32]]
     assert update.payload == bytes(range(16))
 
@@ -391,8 +359,6 @@ def test_the_cells_of_a_map_are_bytes():
     grid = OccupancyGrid()
     grid.info.width, grid.info.height, grid.info.resolution = 3, 1, 0.5
     grid.data = [-1, 0, 100]
-
     update = DRAWINGS[OccupancyGrid].convert(grid)
-
     assert update.payload == array("b", [-1, 0, 100]).tobytes()
     assert (update.data["width"], update.data["resolution"]) == (3, 0.5)

@@ -6,7 +6,6 @@ import pytest
 
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, STOPPED, ZERO, busy, cause_of
-from lcmtools.labs.checks.error_statistics import error_cause
 from lcmtools.labs.checks.observations import (
     BusLook,
     CommandMessage,
@@ -314,16 +313,3 @@ def test_a_program_of_keys_is_not_advised_to_spin():
     teleop = Observations(LABS["pioneer"].programs[0], look=BusLook(["/teleop"]))
     cause = cause_of(replace(SILENT_ROW, hint="read single keys"), teleop)
     assert cause.text == "read single keys"
-
-
-@pytest.mark.parametrize(
-    ("measured", "words"),
-    [
-        (0.25, "the square, without the root"),
-        (0.3, "the error of linear.x only"),
-        (0.7, "the sum |v - desired v| + |w - desired w|"),
-        (0.123, ""),
-    ],
-)
-def test_the_formula_of_a_wrong_error_is_recognised(measured, words):
-    assert error_cause(measured, (0.3, 0.4)) == words

@@ -7,8 +7,8 @@ import pytest
 import lcmtools
 from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import test_bench
-from lcmtools.labs.checks.checked_programs import CheckedProgram
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
+from lcmtools.labs.checks.program_rows import first
 from lcmtools.labs.checks.recorder import Recorder
 from lcmtools.labs.checks.results import CheckResult
 
@@ -26,7 +26,6 @@ class Bench(test_bench.TestBench):
         super().__init__(LABS["husky"], LABS["husky"].programs[0])
         self.waits = list[float]()
         program = SimpleNamespace(code=None, pid=1, printed=str, was_interrupted=False)
-        program.nothing_within = lambda *args: CheckedProgram.nothing_within(program, *args)
         self.program = program
         self.recorder = Recorder(
             SimpleNamespace(create_subscription=lambda *_: None),
@@ -57,7 +56,7 @@ def spun(monkeypatch):
 def test_a_cause_that_time_does_not_mend_is_told_early(look, monkeypatch, *, is_patient):
     monkeypatch.setattr(test_bench, "look_at_bus", lambda *_: look)
     bench = Bench()
-    assert not bench.first(list, 10.0, ROW).is_ok
+    assert not first(bench, list, 10.0, ROW).is_ok
     assert bench.waits[0] == 3.0
     assert (bench.waits[1] > 1.0) is is_patient
 

@@ -92,7 +92,7 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check):
     rows = _by_what(record)
     assert code == 1
     assert not rows["samples"]["ok"]
-    assert rows["last_error"]["measured"] == "0 of 100"
+    assert rows["last_error"]["measured"] == "0.700, 0 of 100 right"
     assert "it is the sum |v - desired v| + |w - desired w|" in rows["last_error"]["hint"]
     (controller,) = record["not_judged"]
     assert controller["reason"].startswith("there are no messages on /husky0/velocity_cmd or ")
@@ -104,7 +104,7 @@ def test_an_evaluator_that_takes_the_sum_of_the_errors_is_found(check):
         (lambda errors: sum(errors) / len(errors), "it is the mean of the errors, and should be"),
         (
             lambda errors: errors[-1],
-            "it should be the root of the mean of the squares of all errors",
+            "it is the last error alone, and should be the root of the mean of the squares",
         ),
     ],
 )

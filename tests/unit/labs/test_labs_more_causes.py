@@ -1,4 +1,4 @@
-"""Causes of rows that are not ok, where one word of a program is wrong; no processes."""
+"""Causes of rows that are not ok: formulas, keys, directions, pictures; no processes."""
 
 import functools
 import math
@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import PIL.Image
 import pytest
 
-from lcmtools.labs.checks import dolly
-from lcmtools.labs.checks.diagnosis import explain_number, slip
+from lcmtools.labs.checks import dolly, viewer
+from lcmtools.labs.checks.diagnosis import explain_number, misplaced, slip
 from lcmtools.labs.checks.driving_keys import (
     DRIVING_KEYS,
     KeyPress,
@@ -19,19 +19,22 @@ from lcmtools.labs.checks.driving_keys import (
     key_result,
     speeds_result,
 )
-from lcmtools.labs.checks.error_statistics import (
+from lcmtools.labs.checks.evaluation import (
+    Sample,
     average_cause,
+    average_rows,
     error_cause,
     root_mean_square,
-    wrong_average,
+    wrong_averages,
 )
-from lcmtools.labs.checks.observations import CommandMessage, Failure
+from lcmtools.labs.checks.observations import CommandMessage, Failure, Touch
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
 from lcmtools.labs.checks.teleop import check_teleop
-from lcmtools.labs.checks.viewer import check_viewer, picture_cause
+from lcmtools.labs.checks.viewer import picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.messages.pictures import Picture
 from lcmtools.messages.pixels import Kind
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import Image, LaserScan
 
@@ -43,6 +46,9 @@ GOAL = 0.3, 0.4
     ("measured", "words"),
     [
         (0.0, "always 0"),
+        (0.25, "the square, without the root"),
+        (0.3, "the error of linear.x only"),
+        (0.7, "the sum |v - desired v| + |w - desired w|"),
         (0.4, "the error of angular.z only"),
         (-0.5, "the negative error"),
         (-0.3, "the negative error of linear.x only"),
@@ -128,15 +134,28 @@ ERRORS = [0.5] * 6 + [0.0] * 6
 def test_the_formula_of_an_average_is_recognised(average, words):
     averages = [average(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
     differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
-    assert wrong_average(averages, differences) is not None
+    assert wrong_averages(averages, differences)
     assert average_cause(averages, differences) == words
 
 
 def test_the_root_mean_square_is_right_and_an_average_of_the_samples_so_far():
     averages = [root_mean_square(ERRORS[:number]) for number in range(1, len(ERRORS) + 1)]
     differences = [GOAL if error else (0.0, 0.0) for error in ERRORS]
-    assert wrong_average(averages, differences) is None
-    assert wrong_average([*averages[:-1], 0.5], differences) == len(ERRORS) - 1
+    assert wrong_averages(averages, differences) == []
+    assert wrong_averages([*averages[:-1], 0.5], differences) == [len(ERRORS) - 1]
+
+
+def test_each_part_of_the_averages_is_judged_by_its_own():
+    stats = [
+        ControllerEvaluationStat(samples=n, last_error=e, average_error=math.sqrt(0.25 * 6 / n))
+        for n, e in enumerate(ERRORS, 1)
+    ]
+    samples = [
+        Sample(stat, [(GOAL if stat.last_error else (0.0, 0.0), (0.0, 0.0))]) for stat in stats
+    ]
+    assert [row.is_ok for row in average_rows(samples, 6)] == [False, True]
+    stats[-1].average_error = 0.5
+    assert [row.is_ok for row in average_rows(samples, 6)] == [False, False]
 
 
 def test_a_number_that_no_formula_gives_is_not_explained():
@@ -144,9 +163,9 @@ def test_a_number_that_no_formula_gives_is_not_explained():
     assert explain_number(0.351, {"half": 0.35}) == "half"
 
 
-def twist(forward, turn_rate):
+def twist(forward, turn_rate, sideways=0.0):
     message = Twist()
-    message.linear.x, message.angular.z = forward, turn_rate
+    message.linear.x, message.angular.z, message.linear.y = forward, turn_rate, sideways
     return message
 
 
@@ -335,8 +354,11 @@ def test_a_picture_that_is_black_or_unlike_is_told_apart():
     [(lambda one: one, 120, True), (lambda one: 255 - one // 12, 10, False)],
 )
 def test_a_picture_in_which_near_and_far_hardly_differ_is_not_right(
-    tmp_path, shade, contrast, *, is_ok
+    tmp_path, monkeypatch, shade, contrast, *, is_ok
 ):
+    monkeypatch.setattr(
+        viewer, "first", lambda _, has_come, __, row: replace(row, is_ok=has_come())
+    )
     truth = depth_image()
     grey(truth).point(shade).save(tmp_path / "picture.png")
     bench = SimpleNamespace(
@@ -344,9 +366,8 @@ def test_a_picture_in_which_near_and_far_hardly_differ_is_not_right(
         recorder=SimpleNamespace(record=lambda *_: [truth]),
         start=lambda *_: None,
         wait=lambda condition, _: condition(),
-        first=lambda has_come, _, row: replace(row, is_ok=has_come()),
     )
-    *others, row = check_viewer(bench, ["viewer"])
+    *others, row = viewer.check_viewer(bench, ["viewer"])
     assert all(other.is_ok for other in others)
     assert (row.what, row.measured, row.is_ok) == ("has contrast", f"{contrast}", is_ok)
 
@@ -358,10 +379,17 @@ def test_a_dolly_that_does_not_drive_as_commanded_says_so():
     assert "speed and turn rate are exchanged" in dolly.circle_cause(0.6, [], twist(0.3, 0.5)).text
 
 
-def test_ranges_that_are_printed_once_or_in_millimetres_are_recognised():
-    ranges = [3.36, 3.31, 5.05, math.inf]
-    assert "it prints only once" in dolly.ranges_cause("3.36", ranges, ["3.36"]).text
-    assert "it prints millimetres" in dolly.ranges_cause("3360 3310 5050", ranges, []).text
+@pytest.mark.parametrize(
+    ("printed", "found", "words"),
+    [
+        ("3.36", ["3.36"], "it prints only once"),
+        ("3360 3310 5050", [], "it prints millimetres"),
+        ("[336.0, 331.0, 505.0]", [], "it prints centimetres"),
+        ("hello 17", [], "print some of scan.ranges with two decimals"),
+    ],
+)
+def test_ranges_that_are_printed_otherwise_are_recognised(printed, found, words):
+    assert words in dolly.ranges_cause(printed, [3.36, 3.31, 5.05, math.inf], found).text
 
 
 def test_a_step_without_odometry_asks_for_the_simulator():
@@ -372,3 +400,60 @@ def test_a_step_without_odometry_asks_for_the_simulator():
 
 def test_an_exception_without_a_message_is_its_name():
     assert str(Failure("KeyboardInterrupt", place="a.py:3")) == "KeyboardInterrupt (a.py:3)"
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "cause", "words"),
+    [
+        (lambda _, v, w: twist(v, -w), "u", "turn-sign", "wrong sign of turn: left is angular.z"),
+        (lambda _, v, w: twist(-v, w), "i", "speed-sign", "wrong sign of speed"),
+        (
+            lambda k, v, w: twist(v, -w if k in "jl" else w),
+            "j",
+            "key-jl",
+            "'j' does what 'l' should do (right on the spot): the keys are mixed up",
+        ),
+        (lambda _, v, w: twist(0, w, sideways=v), "i", "field", "it sets linear.y"),
+        (lambda k, v, w: twist(v, w) if k != "o" else twist(0, 0), "o", "key-o", "'o' stops"),
+        (lambda k, v, w: None if k == "o" else twist(v, w), "o", "unanswered", "nothing is publ"),
+    ],
+)
+def test_the_cause_of_a_wrong_key_is_named(change, key, cause, words):
+    drives = presses(change)
+    found = key_cause(drives[key], drives)
+    assert (found.key, words in found.text) == (cause, True), found
+
+
+@pytest.mark.parametrize(
+    ("message", "key"),
+    [
+        (twist(-0.5, 0.3), "speed-sign"),
+        (twist(0.5, -0.3), "turn-sign"),
+        (twist(0.3, 0.5), "exchanged"),
+        (twist(0.5, 17.2), "unit"),
+        (twist(0.0, 0.3, sideways=0.5), "field"),
+        (twist(0.4, 0.3), "velocity"),
+    ],
+)
+def test_the_cause_of_a_wrong_velocity_is_named(message, key):
+    assert dolly.velocity_cause(message).key == key
+    assert dolly.circle_cause(1.0, [], message).key == key or key == "speed-sign"
+
+
+def test_a_rate_of_0_has_its_reason():
+    assert "one command came, and no other for 8.0 s" in dolly.rate_cause(1, 0.0, 8.0).text
+    assert "9 commands came, and then none for 5.0 s" in dolly.rate_cause(9, 2.0, 5.0).text
+    assert "too seldom, every 1 s" in dolly.rate_cause(8, 1.0, 0.5).text
+    assert "too often, every 0.1 s" in dolly.rate_cause(8, 10.0, 0.0).text
+
+
+def test_a_circle_that_ended_at_a_thing_says_at_which():
+    cause = dolly.circle_cause(9.0, [Touch(3.0, "shed", 5.0, -0.01)], twist(0.5, 0.3))
+    assert "stuck on shed, at (5.0, 0.0) m" in cause.text
+
+
+def test_a_twist_for_a_robot_on_wheels_has_two_fields():
+    assert misplaced(twist(0.5, 0.3)) is None
+    found = misplaced(twist(0.5, 0.3, sideways=0.1))
+    assert found is not None
+    assert "it sets linear.y" in found.text

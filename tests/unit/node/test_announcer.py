@@ -201,46 +201,6 @@ def test_a_node_that_takes_long_to_describe_is_announced_seldom_while_it_is_set_
     assert 1 <= len(described) <= 5
 
 
-def test_a_node_that_rests_after_a_long_description_answers_who_asks(bus, wait_until, monkeypatch):
-    monkeypatch.setattr("lcmtools.graph.announcing.PERIOD", 600.0)
-    monkeypatch.setattr("lcmtools.graph.announcing._REST", 1e9)
-    described = []
-
-    def describe():
-        described.append(None)
-        return []
-
-    announcer = Announcer(bus, describe, GraphFollower(bus, None))
-    wait_until(lambda: described)
-    announcer.announce_soon()
-    _probe(bus)  # without a nonce, as lists ask
-    wait_until(lambda: len(described) > 1)
-    announcer.close()
-
-
-def test_a_node_that_was_held_up_answers_twice_who_asked_twice(bus, wait_until, monkeypatch):
-    """A command asks twice since one answer may be lost; two are enough for any number."""
-    monkeypatch.setattr("lcmtools.graph.announcing.PERIOD", 600.0)
-    described = []
-    goes_on = threading.Event()
-
-    def describe():
-        described.append(None)
-        goes_on.wait()
-        return []
-
-    announcer = Announcer(bus, describe, GraphFollower(bus, None))
-    wait_until(lambda: described)
-    for _ in range(5):
-        _probe(bus)
-    goes_on.set()
-    wait_until(lambda: len(described) == 3)
-    _probe(bus)
-    wait_until(lambda: len(described) == 4)
-    announcer.close()
-    assert len(described) == 4
-
-
 def test_a_command_line_that_is_not_utf8_is_announced(begin, bus, wait_until, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["node", "file\udcff"])
     begin()

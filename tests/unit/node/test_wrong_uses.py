@@ -1,5 +1,8 @@
 """Wrong uses of the Python API, as newcomers type them: one line says what was expected."""
 
+import math
+from pathlib import Path
+
 import pytest
 from fixtures.driver import Driver
 from fixtures.says import assert_says, raises_saying
@@ -8,9 +11,162 @@ import lcmtools
 import lcmtools.types.std_msgs
 from lcmtools import Node, Parameter
 from lcmtools.errors import LcmtoolsError
-from lcmtools.types.geometry_msgs import Twist
-from lcmtools.types.std_msgs import String
-from lcmtools.types.std_srvs import Trigger
+from lcmtools.types.geometry_msgs import PoseWithCovariance, Twist
+from lcmtools.types.sensor_msgs import LaserScan
+from lcmtools.types.std_msgs import Int32, String, UInt8
+from lcmtools.types.std_srvs import SetBool, Trigger
+
+MISTAKES = Path(__file__).with_name("mistakes.txt")
+
+
+class RosString:
+    """A class as rclpy has them."""
+
+    __module__ = "std_msgs.msg"
+
+
+RosString.__name__ = RosString.__qualname__ = "String"
+
+_MISSING_TYPES = [
+    (lambda n: n.create_publisher("/a/cmd_vel", 10), "create_publisher(Twist, '/a/cmd_vel')"),
+    (lambda n: n.create_publisher("cmd_vel"), "create_publisher(Twist, 'cmd_vel')"),
+    (
+        lambda n: n.create_subscription("/laser", n.turn),
+        "create_subscription(Twist, '/laser', callback)",
+    ),
+    (
+        lambda n: n.create_subscription("/scan", n.turn, 10),
+        "create_subscription(Twist, '/scan', callback)",
+    ),
+    (
+        lambda n: n.create_subscription("laser", 10, n.turn),
+        "create_subscription(Twist, 'laser', callback)",
+    ),
+    (lambda n: n.create_service("/reset", n.tick), "create_service(Trigger, '/reset', callback)"),
+    (lambda n: n.create_client("/reset"), "create_client(Trigger, '/reset')"),
+]
+"""Calls as in texts whose types are lost, and how they are written."""
+
+_LINES = [one for one in MISTAKES.read_text().splitlines() if one and one[0] != "#"]
+
+
+@pytest.mark.parametrize(("call", "line"), [*zip(_LINES[::2], _LINES[1::2], strict=True)])
+def test_a_mistake(begin, call, line):
+    begin()
+    with pytest.raises(LcmtoolsError) as raised:
+        eval(call, globals(), {"n": Driver()})  # noqa: S307 - the table is ours
+    assert str(raised.value) == line.strip()
+
+
+@pytest.mark.parametrize(("call", "right"), _MISSING_TYPES)
+def test_a_missing_type(begin, call, right):
+    begin()
+    with pytest.raises(LcmtoolsError) as raised:
+        call(Driver())
+    name, topic = right.partition("(")[0], right.split("'")[1]
+    kind = right.partition("(")[2].partition(",")[0]
+    shows = "service info" if kind == "Trigger" else "info"
+    assert str(raised.value) == (
+        f"{name}: the type is missing before '{topic}'; write {right} if it is {kind}; "
+        f"lcmtools {shows} {topic} shows it"
+    )
+
+
+@pytest.mark.parametrize("callback", [print, [].append, lambda *_: None, str])
+def test_what_can_be_called_with_a_message_is_a_callback(begin, callback):
+    begin()
+    Node("a").create_subscription(String, "chatter", callback)
+
+
+@pytest.mark.parametrize(
+    ("period", "line"),
+    [
+        ("0.1", "create_timer: the period is a number of seconds, got '0.1'"),
+        (None, "create_timer: the period is a number of seconds, got None"),
+        (print, "create_timer takes the period first; write create_timer(0.1, self.tick)"),
+        (0, "a timer's period must be positive and finite, got 0 s"),
+        (math.nan, "a timer's period must be positive and finite, got nan s"),
+    ],
+)
+def test_a_wrong_period(begin, period, line):
+    begin()
+    with pytest.raises(LcmtoolsError) as raised:
+        Node("a").create_timer(period, print)
+    assert str(raised.value) == line
+
+
+def test_a_period_that_is_meant_in_milliseconds_is_a_warning(begin, capsys):
+    begin()
+    node = Node("a")
+    node.create_timer(60.0, print)
+    assert capsys.readouterr().err == ""
+    node.create_timer(500, print)
+    assert_says(capsys.readouterr().err, "create_timer: ", "500 s", "500 ms", "0.5\n")
+
+
+def _filled(message, **values):
+    for path, value in values.items():
+        *parents, name = path.split("__")
+        part = message
+        for parent in parents:
+            part = getattr(part, parent)
+        setattr(part, name, value)
+    return message
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "line"),
+    [
+        (String, String, ("expected std_msgs/String, got the class std_msgs/String; "
+         "write message = String(), and fill it: message.data = ...")),
+        (String, {"data": "a"}, ("expected std_msgs/String, got a mapping; "
+         "write message = String(), and fill it: message.data = ...")),
+        (String, "a", ("expected std_msgs/String, got 'a'; "
+         "write message = String(); message.data = 'a'")),
+        (Twist, 0.5, "expected geometry_msgs/Twist, got 0.5"),
+        (Twist, None, "expected geometry_msgs/Twist, got None"),
+        (String, Int32(), "expected std_msgs/String, got std_msgs/Int32"),
+        (Twist, _filled(Twist(), linear__x="0.5"),
+         "geometry_msgs/Twist: linear.x: expected a number, got '0.5'"),
+        (Twist, _filled(Twist(), linear__x=None),
+         "geometry_msgs/Twist: linear.x: expected a number, got nothing"),
+        (Twist, _filled(Twist(), linear=None),
+         "geometry_msgs/Twist: linear: expected geometry_msgs/Vector3, got nothing"),
+        (Int32, _filled(Int32(), data=0.5), "std_msgs/Int32: data: expected an integer, got 0.5"),
+        (UInt8, _filled(UInt8(), data=256),
+         "std_msgs/UInt8: data: 256 does not fit uint8 (0..255)"),
+        (String, _filled(String(), data=5), "std_msgs/String: data: expected text, got 5"),
+        (PoseWithCovariance, _filled(PoseWithCovariance(), covariance=[0.0] * 35),
+         "geometry_msgs/PoseWithCovariance: covariance: expected 36 numbers, got 35"),
+        (LaserScan, _filled(LaserScan(), ranges=[1.0, "a"]),
+         "sensor_msgs/LaserScan: ranges[1]: expected a number, got 'a'"),
+        (LaserScan, _filled(LaserScan(), ranges=1.0),
+         "sensor_msgs/LaserScan: ranges: expected a list of numbers, got 1.0"),
+    ],
+)  # fmt: skip
+def test_a_wrong_message_or_value(begin, kind, message, line):
+    begin()
+    publisher = Node("a").create_publisher(kind, "x")
+    with pytest.raises(LcmtoolsError) as raised:
+        publisher.publish(message)
+    assert str(raised.value) == f"/x: {line}"
+
+
+@pytest.mark.parametrize(
+    ("request_", "line"),
+    [
+        (None, "/light: expected SetBool.Request, got None"),
+        (True, ("/light: expected SetBool.Request, got True; "
+         "write message = SetBool.Request(); message.data = True")),
+        (SetBool, "/light: expected SetBool.Request, got the class SetBool"),
+    ],
+)  # fmt: skip
+def test_a_wrong_request(begin, request_, line):
+    begin()
+    client = Node("a").create_client(SetBool, "light")
+    with pytest.raises(LcmtoolsError) as raised:
+        client.call(request_)
+    assert str(raised.value) == line
 
 
 class Forgetful(Node):
@@ -39,128 +195,6 @@ def test_a_forgotten_super_init(begin, use):
     with pytest.raises(LcmtoolsError) as raised:
         use(node)
     assert_says(str(raised.value), "Forgetful.__init__", "Node", "super().__init__('forgetful')")
-
-
-@pytest.mark.parametrize(
-    ("call", "line"),
-    [
-        (
-            lambda _: lcmtools.spin(),
-            "lcmtools.spin() has no node to run; write lcmtools.spin(node)",
-        ),
-        (
-            lambda _: lcmtools.spin(Driver),
-            "lcmtools.spin needs a node, got the class Driver; write lcmtools.spin(Driver())",
-        ),
-        (
-            lambda n: lcmtools.spin([n, n]),
-            "lcmtools.spin needs a node, got a list; write lcmtools.spin(node, other_node)",
-        ),
-        (
-            lambda _: lcmtools.spin_once(None),
-            "lcmtools.spin_once needs a node, got None; write lcmtools.spin_once(node)",
-        ),
-        (
-            lambda _: lcmtools.init("talker"),
-            (
-                "lcmtools.init takes the command line as a list of words, got 'talker'; "
-                "write lcmtools.init() and lcmtools.Node('talker')"
-            ),
-        ),
-        (
-            lambda n: n.create_publisher(Twist, "cmd_vel", queue_size=10),
-            (
-                "create_publisher got an unexpected keyword argument 'queue_size'; "
-                "write create_publisher(message_type, topic, depth=10, plain_channel=False)"
-            ),
-        ),
-        (
-            lambda n: n.create_timer(period=0.1, callback=n.tick),
-            (
-                "create_timer got an unexpected keyword argument 'period'; "
-                "write create_timer(seconds, callback)"
-            ),
-        ),
-        (
-            lambda n: n.create_service(Trigger, "reset"),
-            (
-                "create_service missing 1 required positional argument: 'callback'; "
-                "write create_service(service_type, name, callback)"
-            ),
-        ),
-        (
-            lambda n: n.create_publisher(Twist, "cmd_vel").publish(linear=1.0),
-            "publish got an unexpected keyword argument 'linear'; write publish(message)",
-        ),
-        (
-            lambda n: n.create_publisher(Twist, "cmd_vel").publish(1.0, 2.0),
-            "publish got too many arguments; write publish(message)",
-        ),
-        (
-            lambda n: n.create_client(Trigger, "reset").call(),
-            (
-                "call missing 1 required positional argument: 'request'; "
-                "write call(request, timeout=3.0)"
-            ),
-        ),
-        (
-            lambda n: lcmtools.spin(node=n),
-            "spin got an unexpected keyword argument 'node'; write spin(node, ...)",
-        ),
-        (
-            lambda _: Parameter("gain"),
-            (
-                "Parameter missing 1 required positional argument: 'value'; "
-                "write Parameter(name, value)"
-            ),
-        ),
-        (
-            lambda _: Parameter("gain", Parameter, 2.0),
-            "Parameter got too many arguments; write Parameter(name, value)",
-        ),
-        (
-            lambda _: Parameter(2.0, "gain"),
-            "Parameter: the name is a text, got 2.0",
-        ),
-        (
-            lambda _: lcmtools.message_class(),
-            (
-                "message_class missing 1 required positional argument: 'name'; "
-                "write message_class(name, number=None)"
-            ),
-        ),
-        (
-            lambda _: lcmtools.message_class(7),
-            (
-                "message_class: a type's name is a text, got 7; "
-                "write lcmtools.message_class('std_msgs/String')"
-            ),
-        ),
-        (
-            lambda n: n.get_logger().info("speed %f", 1.0),
-            "info got too many arguments; write info(text, once=False, throttle=0.0)",
-        ),
-        (
-            lambda _: Node(),
-            (
-                "Node missing 1 required positional argument: 'name'; "
-                "write Node(name, namespace='', tool=False, context=None)"
-            ),
-        ),
-        (
-            lambda n: lcmtools.spin_once(n, timeout_sec=0.1),
-            (
-                "spin_once got an unexpected keyword argument 'timeout_sec'; "
-                "write spin_once(node, timeout=0.0)"
-            ),
-        ),
-    ],
-)
-def test_a_wrong_call(begin, call, line):
-    begin()
-    with pytest.raises(LcmtoolsError) as raised:
-        call(Driver())
-    assert str(raised.value) == line
 
 
 def test_to_spin_in_a_callback_is_an_error_of_the_callback(begin):

@@ -37,10 +37,6 @@ def test_a_node_is_busy_for_a_part_of_the_time_between_its_announcements(span, b
     assert busy_share(NODE, later) == share
 
 
-def test_only_some_callbacks_may_count():
-    assert busy_share(NODE, NODE._replace(sent=7 * SECOND), SECOND) == 0.5
-
-
 def test_a_node_that_does_not_say_when_it_sent_is_not_judged():
     assert busy_share(NODE._replace(sent=0), NODE) is None
 

@@ -15,7 +15,6 @@ def test_an_announcement_tells_how_long_it_was_kept():
     ways = (Direction(Rules(), back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
     at_once = announced.convert(Announcement(Node("/far", "f", "robot", 7)), 9, SECOND)
-    assert at_once is not None
     assert at_once.node.path == (RelayStep("r", "/relay", "0"),)
     (later,) = announced.recent(3 * SECOND)
     assert later.node.path == (RelayStep("r", "/relay", "0", kept=2 * SECOND),)
@@ -43,5 +42,4 @@ def test_what_a_relay_has_observed_gets_its_names_on_the_next_bus():
     )
     node = Node("/far", "f", "ada", 7, observed=observed)
     passed = announced.convert(Announcement(node), 9, SECOND)
-    assert passed is not None
     assert [seen.channel for seen in passed.node.observed] == ["/robot7/odom"]

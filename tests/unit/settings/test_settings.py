@@ -97,7 +97,6 @@ def test_a_mistake_is_named_with_its_line(text, complaint, write):
 def test_what_is_no_text_is_refused(write):
     environment = write("")
     path = user_path(environment)
-    assert path is not None
     path.write_bytes(b"color: \xff\n")
     with pytest.raises(InvalidFile, match="it is not UTF-8 text"):
         read_user_file(environment)

@@ -173,7 +173,6 @@ def efforts(*effort):
 @pytest.mark.usefixtures("bridge")
 def test_a_robots_four_command_topics_are_one_group_that_takes_both_types(node):
     declared = {topic: subscription.types for topic, subscription in node.subscriptions.items()}
-
     assert list(declared.items())[:4] == [
         ("/husky0/velocity_cmd", (JointState, Twist)),
         ("/husky0/wheel_cmd", (JointState, Twist)),
@@ -191,17 +190,14 @@ def test_every_command_topic_steers_its_own_robot(node, simulation):
         subscription.callback(efforts(share / 10, 0))
         robot = simulation.robots[0 if topic.startswith("/husky0/") else 1]
         assert robot.targets == (share / 10, 0)
-
     assert simulation.robots[0].targets == (0.4, 0)
 
 
 def test_after_a_reset_the_same_subscriptions_steer_the_new_robots(node, simulation, bridge):
     before = list(node.subscriptions.values())
     simulation.robots = [FakeRobot("/husky0"), FakeRobot("/")]
-
     bridge.refresh()
     before[0].callback(efforts(0.1, 0))
-
     assert [*map(id, node.subscriptions.values())] == [*map(id, before)]
     assert simulation.robots[0].targets == (0.1, 0)
 
@@ -210,10 +206,8 @@ def test_after_a_reset_the_same_subscriptions_steer_the_new_robots(node, simulat
 def test_a_bad_command_is_warned_of_once_until_a_good_one_comes(node, simulation):
     command = node.subscriptions["/husky0/wheel_cmd"].callback
     command(efforts(0.5, 0.5))
-
     for _ in range(10):
         command(efforts(math.nan, 1))
-
     warning = "/husky0/wheel_cmd: command ignored: effort[0] is nan, which is not a finite number"
     assert node.warnings == [warning]
     assert simulation.robots[0].targets == (0.5, 0.5)
@@ -229,13 +223,11 @@ def test_a_command_beyond_the_limits_is_warned_of_once_for_each_sender(
     now = [100.0]
     monkeypatch.setattr("lcmtools_sim.bridge.time.monotonic", lambda: now[0])
     command = node.subscriptions["/husky0/wheel_cmd"].callback
-
     for publishing in ((), ("/a",), ("/a",), ("/a", "/b")):
         node.publishing = publishing
         for value in (5, 0.5, 6):
             command(efforts(value, 0))
         now[0] += 1.0
-
     warning = "/husky0/wheel_cmd: command reduced: effort[0] is 5, the limit 1"
     assert node.warnings == [warning, f"{warning} (from /a or /b)"]
     assert node.repeated == [f"{warning} (from /a)"] * 2  # it had not been announced at first
@@ -249,11 +241,9 @@ def test_what_is_wrong_with_commands_is_repeated_for_those_who_look_later(node, 
     node.publishing = ("/student",)
     message = efforts(1, 1)
     message.name = ["l", "r"]
-
     for _ in range(100):
         node.subscriptions["/husky0/wheel_cmd"].callback(message)
         now[0] += 0.02
-
     (warning,) = node.warnings
     assert warning.startswith("/husky0/wheel_cmd: command ignored: unknown wheel 'l'; known names:")
     assert warning.endswith(" (from /student)")
@@ -262,9 +252,7 @@ def test_what_is_wrong_with_commands_is_repeated_for_those_who_look_later(node, 
 
 def test_samples_go_out_on_their_topics(bridge, node):
     payload = encode(Clock())
-
     bridge.publish([Sample("/clock", Clock, payload)])
-
     assert node.publishers["/clock"].sent == [payload]
 
 
@@ -286,9 +274,7 @@ def test_the_simulation_gets_the_state_of_subscribers(
     node, simulation, bridge, listening, interest
 ):
     node.heard, node.overheard = frozenset(listening[0]), listening[1]
-
     bridge.receive()
-
     assert simulation.interest("/clock") is interest
 
 
@@ -296,18 +282,14 @@ def test_the_nodes_are_asked_before_the_first_look(node, simulation, monkeypatch
     answers = iter([frozenset(), frozenset({"/clock"})])
     monkeypatch.setattr(node, "subscribed_topics", lambda: next(answers))
     bridge = Bridge(node, simulation)
-
     bridge.receive()
-
     assert simulation.interest("/clock") is Subscribers.KNOWN
 
 
 def test_finding_subscribers_at_once_counts_those_that_have_just_started(node, simulation, bridge):
     bridge.receive()
     node.overheard_of_late = True
-
     bridge.find_subscribers()
-
     assert simulation.interest("/clock") is Subscribers.POSSIBLE
 
 
@@ -319,25 +301,20 @@ def test_a_clock_without_subscribers_is_published_now_and_then_while_time_passes
     for simulated in (1, 2, 3, 3, 4):  # paused once
         simulation.time = simulated
         bridge.receive()
-
     sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
     assert sent == [1, 3, 4]
 
 
 def test_the_engines_warnings_are_logged(node, simulation, bridge):
     simulation.complaints = ["unstable"]
-
     bridge.receive()
-
     assert node.warnings == ["unstable"]
 
 
 def test_a_clock_with_subscribers_comes_with_the_steps_alone(node, simulation, bridge):
     node.heard = frozenset({"/clock"})
     simulation.time = 1
-
     bridge.receive()
-
     assert node.publishers["/clock"].sent == []
 
 
@@ -348,7 +325,6 @@ def test_the_clock_is_published_once_for_each_time(node, simulation, bridge):
     simulation.time = 2
     bridge.publish_clock()
     bridge.publish_clock()
-
     sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
     assert sent == [1, 2]
 
@@ -357,8 +333,6 @@ def test_the_clock_shows_a_reset_at_once(node, simulation, bridge):
     simulation.time = 7
     bridge.publish([simulation.tick()])
     simulation.time = 0
-
     bridge.refresh()
-
     sent = [decode(Clock, payload).clock.nsec for payload in node.publishers["/clock"].sent]
     assert sent == [7, 0]

@@ -66,13 +66,11 @@ def test_a_command_asks_for_side_speeds(message, left, right):
 )
 def test_a_twist_above_the_limits_keeps_its_circle(asked, obeyed):
     speeds, _ = interpret(twist(*asked), HUSKY)
-
     assert body_velocity(*speeds, HUSKY.drive.track) == pytest.approx(obeyed)
 
 
 def test_wheel_speeds_above_the_limits_keep_their_circle():
     speeds, _ = interpret(joints(velocity=[60, 30]), HUSKY)
-
     forward, turn_rate = body_velocity(*speeds, HUSKY.drive.track)
     assert speeds.left / speeds.right == pytest.approx(2)
     assert forward == pytest.approx(1)
@@ -106,7 +104,6 @@ def test_wheel_speeds_above_the_limits_keep_their_circle():
 def test_what_cannot_be_meant_is_refused_with_the_reason(message, reason):
     with pytest.raises(ValueMismatch) as caught:
         interpret(message, HUSKY)
-
     assert str(caught.value) == reason
 
 

@@ -36,5 +36,4 @@ def test_each_python_and_system_gets_one_engine_that_has_a_wheel(python, system,
         "platform_machine": machine,
     }
     there = {r.name for r in SIM if r.marker is None or r.marker.evaluate(environment)}
-
     assert there == {"numpy", "pillow", engine_with_a_wheel(python, system, machine)}

@@ -52,17 +52,13 @@ class Leading:
 @pytest.mark.parametrize("nodes", [(), (runs_as(NOBODY),)])
 def test_a_follower_without_a_process_is_waited_for_no_longer(nodes, monkeypatch):
     leading = Leading(nodes, monkeypatch)
-
     leading.wait()
-
     assert leading.warnings == ["/other has ended: the simulation goes on without it"]
     assert leading.now < 2.0
 
 
 def test_one_that_runs_is_waited_for_also_if_one_of_its_name_has_ended(monkeypatch):
     leading = Leading((runs_as(NOBODY), runs_as(os.getpid())), monkeypatch)
-
     leading.wait()
-
     assert leading.now >= 5.0
     assert leading.warnings == ["waiting for /other, which does nothing: is it paused or stopped?"]

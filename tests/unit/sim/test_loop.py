@@ -54,28 +54,22 @@ def no_wait():
 
 def test_commands_come_before_the_step_and_messages_after_it():
     log = Log()
-
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True, last_step=2).run()
-
     assert log.lines == [*["receive", "step", "publish 0"] * 2, "receive"]
 
 
 def test_it_ends_when_it_is_asked_to():
     log = Log()
     simulation = Steps(log.lines)
-
     Loop(simulation, log, no_wait(), go_on=lambda: simulation.steps < 7).run()
-
     assert simulation.steps == 7
 
 
 def test_a_slow_computer_is_warned_of_once():
     log = Log()
     wall = iter(range(100))  # every look at the clock is a second later
-
     pacer = Pacer(0.01, now=lambda: float(next(wall)), sleep=lambda _: None)
     Loop(Steps(log.lines), log, pacer, go_on=lambda: True, last_step=5).run()
-
     warnings = [line for line in log.lines if line.startswith("warn")]
     assert len(warnings) == 1
     assert "0.99 s were dropped" in warnings[0]
@@ -102,9 +96,7 @@ def test_calls_are_answered_while_a_slow_rate_waits_for_its_next_step():
     simulation = Steps(surroundings.lines)
     loop = Loop(simulation, surroundings, pacer, go_on=lambda: True, last_step=3)
     surroundings.calls = [lambda: None, lambda: loop.set_rate(0)]
-
     loop.run()
-
     assert simulation.steps == 3
     assert sum(slept) < 1.0
 
@@ -115,18 +107,14 @@ def test_a_pause_ends_the_wait_for_a_slow_step():
     simulation = Steps(surroundings.lines)
     loop = Loop(simulation, surroundings, pacer, go_on=lambda: not loop.paused)
     surroundings.calls = [lambda: None, lambda: setattr(loop, "paused", True)]
-
     loop.run()
-
     assert simulation.steps == 1
     assert sum(slept) < 1.0
 
 
 def test_it_finds_subscribers_before_requested_steps_and_publishes_the_clock_after_them():
     log = Log()
-
     Loop(Steps(log.lines), log, no_wait(), go_on=lambda: True).step(2)
-
     assert log.lines == ["look", *["step", "publish 0"] * 2, "clock"]
 
 
@@ -141,7 +129,6 @@ def test_each_step_is_let_and_a_long_wait_for_that_is_no_debt():
     pacer = Pacer(0.01, now=lambda: wall[0], sleep=lambda s: wall.__setitem__(0, wall[0] + s))
     loop = Loop(Steps(log.lines), log, pacer, go_on=lambda: True, last_step=3, let_step=let_step)
     loop.run()
-
     assert [line for line in log.lines if line in ("let", "step")] == ["let", "step"] * 3
     assert not [line for line in log.lines if line.startswith("warn")]
 

@@ -44,14 +44,12 @@ def test_everything_is_measured_before_a_selection(robot):
 def test_only_what_nodes_listen_to_is_measured(robot):
     reading = make(robot)
     reading.select(lambda topic: Subscribers.KNOWN if topic == "/r/eye/large" else Subscribers.NONE)
-
     assert measured(reading, 3) == ["/r/eye/large"] * 3
 
 
 def test_nothing_is_measured_without_possible_subscribers(robot):
     reading = make(robot)
     reading.select(lambda _: Subscribers.NONE)
-
     assert reading.is_idle
     assert measured(reading, 30) == []
 
@@ -59,9 +57,7 @@ def test_nothing_is_measured_without_possible_subscribers(robot):
 def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(robot):
     reading = make(robot)
     reading.select(lambda _: Subscribers.POSSIBLE)
-
     topics = measured(reading, 30)
-
     assert not reading.is_idle
     assert (topics.count("/r/eye/small"), topics.count("/r/eye/large")) == (30, 3)
 
@@ -69,5 +65,4 @@ def test_what_is_bulky_comes_once_a_second_to_those_who_may_only_be_listening(ro
 def test_always_means_always(robot):
     reading = make(robot, always=True)
     reading.select(lambda _: Subscribers.NONE)
-
     assert measured(reading, 2) == ["/r/eye/small", "/r/eye/large"] * 2

@@ -17,7 +17,6 @@ from lcmtools_sim.worlds import find_world
 
 def test_without_arguments_it_is_the_husky_world_in_real_time():
     options = parse_options([])
-
     assert (options.world, options.rate, options.seed) == ("husky", 1.0, None)
 
 
@@ -43,13 +42,11 @@ def test_a_world_is_given_as_a_word_or_as_an_option(arguments):
 def test_a_mistake_is_one_clear_line(arguments, reason):
     with pytest.raises(UsageError) as caught:
         parse_options(arguments)
-
     assert caught.value.what.startswith(reason)
 
 
 def test_worlds_are_listed_with_what_they_are(capsys):
     assert main(["--list-worlds"]) == 0
-
     assert capsys.readouterr().out == (
         "dolly    An open place with things to see by laser and one Dolly: the world of the lab"
         " on nodes\n"
@@ -65,7 +62,6 @@ def test_completion_offers_every_option_and_the_engines(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     shown = re.findall(r"^  (?:-h, )?(--[a-z-]+)", capsys.readouterr().out, re.MULTILINE)
-
     assert sorted(complete([], "-")) == sorted(shown)
     assert list(complete(["--engine"], "")) == list(ENGINES)
     assert list(complete([], "--engine=b")) == [f"--engine={name}" for name in ENGINES]
@@ -78,18 +74,14 @@ def test_a_printed_world_can_be_checked(capsys, tmp_path_factory):
     assert main(["--print-world", "husky"]) == 0
     file = tmp_path_factory.mktemp("worlds") / "mine.yaml"
     file.write_text(capsys.readouterr().out)
-
     assert main(["--check", str(file)]) == 0
-
     assert capsys.readouterr().out == f"{file}: ok, husky /husky0; 11 objects\n"
 
 
 def test_a_bad_world_is_one_line_and_exit_code_2(capsys, tmp_path_factory):
     file = tmp_path_factory.mktemp("worlds") / "bad.yaml"
     file.write_text("node: a\nrobots: 3\n")
-
     assert main(["--world", str(file)]) == 2
-
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err == (
@@ -100,7 +92,6 @@ def test_a_bad_world_is_one_line_and_exit_code_2(capsys, tmp_path_factory):
 def test_help_shows_examples(capsys):
     with pytest.raises(SystemExit) as caught:
         main(["--help"])
-
     assert caught.value.code == 0
     assert "lcmtools run sim --world ./yard.yaml --rate 4" in capsys.readouterr().out
 
@@ -118,13 +109,11 @@ def test_help_shows_examples(capsys):
 def test_a_mistake_with_robots_is_one_clear_line(arguments, reason):
     with pytest.raises(UsageError) as caught:
         parse_options(arguments)
-
     assert caught.value.what.startswith(reason)
 
 
 def test_robots_are_added_where_they_are_asked_for():
     options = parse_options(["--robot", "husky@1,-2,90deg", "--robot", "dolly"])
-
     assert [(model.name, pose.x, pose.y) for model, pose in options.added] == [
         ("husky", 1.0, -2.0),
         ("dolly", 0.0, 0.0),
@@ -143,7 +132,6 @@ def names(scene):
 
 def test_added_robots_get_the_next_free_names():
     scene, _ = asked("husky", "--robot", "husky@3,0,0", "--robot", "husky@6,0,0")
-
     assert names(scene) == ["/husky0", "/husky1", "/husky2"]
     assert scene.robots[2].pose.x == 6.0
 
@@ -151,7 +139,6 @@ def test_added_robots_get_the_next_free_names():
 def test_the_process_with_the_first_robot_leads_and_others_follow():
     leading, leader = asked("multi", "--robots", "6", "--only", "husky1,/husky0")
     following, follower = asked("multi", "--robots", "6", "--only", "husky4,husky3")
-
     assert (names(leading), leader.follow, leading.node) == (["/husky0", "/husky1"], False, "sim")
     assert (names(following), follower.follow) == (["/husky3", "/husky4"], True)
     assert following.node == "sim_husky3"
@@ -160,23 +147,19 @@ def test_the_process_with_the_first_robot_leads_and_others_follow():
 
 def test_a_process_with_follow_is_a_node_of_another_name():
     scene, options = asked("pioneer", "--follow")
-
     assert (scene.node, options.follow) == ("gazebo_pioneer", True)
 
 
 def test_a_robot_that_is_not_there_cannot_be_the_only_one():
     with pytest.raises(UsageError) as caught:
         asked("multi", "--only", "husky9")
-
     assert str(caught.value).startswith("the world multi has no robot '/husky9'; did you mean")
 
 
 def test_what_a_world_of_gazebo_holds_and_is_left_out_is_said(capsys, tmp_path):
     file = tmp_path / "park.world"
     file.write_text("<sdf><world name='w'><light name='a'/><light name='b'/></world></sdf>")
-
     assert main(["--check", str(file)]) == 1
-
     captured = capsys.readouterr()
     assert captured.out == f"{file}: read in part, no robot; 0 objects\n"
     assert captured.err == f"lcmtools run sim: {file}: left out: light (2)\n"

@@ -29,7 +29,6 @@ def read_path(text):
 def test_a_curve_leads_through_all_points_without_corners():
     path = read_path("{points: [[0, 0], [2, 0], [2, 2], [0, 2]], closed: true}")
     points = path.line.points
-
     assert path.topic == "/path"
     assert points[0] == points[-1] == (0, 0)
     assert all(any(math.dist(p, corner) < 1e-9 for p in points) for corner in [(2, 0), (2, 2)])
@@ -41,7 +40,6 @@ def test_a_curve_leads_through_all_points_without_corners():
 
 def test_two_points_are_a_straight_line():
     path = read_path("{points: [[0, 1], [1, 1]], topic: way, width: 0.1, color: [1, 0, 0]}")
-
     assert path.topic == "/way"
     assert [x for x, _ in path.line.points] == pytest.approx([x / 10 for x in range(11)])
     assert [y for _, y in path.line.points] == pytest.approx([1] * 11)
@@ -64,15 +62,12 @@ def test_two_points_are_a_straight_line():
 def test_a_path_that_is_none_is_refused(text, reason):
     with pytest.raises(InvalidFile) as error:
         read_path(text)
-
     assert str(error.value).startswith(reason)
 
 
 def test_the_message_has_a_pose_at_each_point_that_looks_along_the_path():
     points = ((0.0, 0.0), (0.0, 1.0), (0.0, 2.0))
-
     message = path_message(MarkedPath("/path", Line(points, 0.05, BLUE)))
-
     assert message.header.frame_id == "world"
     assert [(p.pose.position.x, p.pose.position.y) for p in message.poses] == list(points)
     for pose in message.poses:
@@ -84,9 +79,7 @@ def test_a_line_is_seen_on_the_ground_and_hidden_by_nothing_else():
     line = Line(((-5.0, 0.0), (5.0, 0.0)), 0.2, BLUE)
     solids = solids_of([], (0.5, 0.5, 0.5), (line,))
     camera = Camera(100, 100, math.radians(90))
-
     picture = color_image(render(solids, camera, (0.0, 0.0, 1.0), DOWN)).astype(int)
-
     is_blue = picture[:, :, 2] > picture[:, :, 0] + 100
     rows = np.flatnonzero(is_blue.any(axis=1))
     assert is_blue[rows].all()
@@ -101,7 +94,6 @@ def test_the_pioneers_path_begins_at_the_robot_and_can_be_driven():
     points = np.array(path.line.points)
     steps = np.diff(points, axis=0)
     headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
-
     assert path.line.points[0] == (robot.pose.x, robot.pose.y)
     curvature = np.abs(np.diff(headings)) / np.linalg.norm(steps, axis=1)[1:]
     assert 1 / curvature.max() > 0.4

@@ -16,11 +16,9 @@ def template(name):
 def test_each_payload_has_the_numbers_of_its_robot():
     robots = [("long/odom", 3), ("a/odom", 0), ("b/odom", 1), ("c/odom", 4)]
     speeds = np.array([0.5, -1.0, 9.0, 7.0, 1e300])
-
     filled = Payloads([(template(name), place) for name, place in robots]).fill(
         [(speeds, 0.25, speeds * 2), (3, 500)]
     )
-
     assert filled == [
         template(name).fill((speeds[place], 0.25, speeds[place] * 2), (3, 500))
         for name, place in robots
@@ -31,9 +29,7 @@ def test_they_keep_their_numbers_when_others_are_filled():
     payloads = Payloads([(template("a"), 0), (template("b"), 1)])
     first = payloads.fill([(np.array([1.0, 2.0]), 0.0, 0.0), (1, 0)])
     kept = list(first)
-
     payloads.fill([(np.array([3.0, 4.0]), 0.0, 0.0), (2, 0)])
-
     assert (
         first
         == kept

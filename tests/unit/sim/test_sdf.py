@@ -43,9 +43,7 @@ def test_a_box_is_where_its_model_link_and_collision_put_it(tmp_path):
         f"<collision name='c'><pose>0 0 1 0 0 0</pose>{BOX}"
         "<surface><friction><ode><mu>0.3</mu></ode></friction></surface></collision></link></model>"
     )
-
     crate = only(read(tmp_path, inside))
-
     assert (crate.name, crate.mass, crate.friction) == ("crate::l", 4.0, 0.3)
     assert crate.pose.position == pytest.approx((1.0, 1.0, 0.5))
     assert crate.pose.yaw == pytest.approx(math.pi / 2)
@@ -64,9 +62,7 @@ def test_every_simple_shape_is_taken(tmp_path):
         f"<collision name='c{i}'><pose>0 0 1 0 0 0</pose><geometry>{shape}</geometry></collision>"
         for i, shape in enumerate(shapes)
     )
-
     thing = only(read(tmp_path, static(inside)))
-
     assert [part.shape for part in thing.parts] == [
         Cylinder(0.5, 2.0),
         Sphere(0.4),
@@ -85,9 +81,7 @@ def test_the_plane_at_zero_is_the_ground_with_its_friction_and_color(tmp_path):
         "<surface><friction><ode><mu>0.7</mu></ode></friction></surface></collision>"
         "<visual name='v'><material><diffuse>0.1 0.2 0.3 1</diffuse></material></visual>"
     )
-
     found = read(tmp_path, "<gravity>0 0 -3.7</gravity>" + inside)
-
     assert found.objects == ()
     assert found.ground == Ground(0.7, (0.1, 0.2, 0.3))
     assert (found.gravity, found.name) == (3.7, "yard")
@@ -106,7 +100,6 @@ def test_a_color_is_that_of_the_look_of_the_same_shape(tmp_path, material, color
     other = "<geometry><sphere><radius>1</radius></sphere></geometry>"
     look = f"<visual name='v'>{BOX}<material>{material}</material></visual>"
     inside = f"<visual name='o'>{other}</visual>{look}<collision name='c'>{BOX}</collision>"
-
     assert only(read(tmp_path, static(inside))).parts[0].color == color
 
 
@@ -120,9 +113,7 @@ def test_links_that_joints_hold_are_one_body_and_others_fall_apart(tmp_path):
         "<joint name='j' type='revolute'><parent>a</parent><child>b</child></joint>"
         "<joint name='k' type='fixed'><parent>world</parent><child>d</child></joint>"
     )
-
     found = read(tmp_path, f"<model name='m'>{links}{joints}</model>")
-
     assert [(t.name, t.mass, t.pose.x, len(t.parts)) for t in found.objects] == [
         ("m::a", 4.0, 3.0, 2),  # about the common centre of mass
         ("m::c", 5.0, 9.0, 1),
@@ -137,9 +128,7 @@ def test_nested_models_stand_in_each_other(tmp_path):
         f"<collision name='c'>{BOX}</collision></link></model>"
     )
     outer = f"<model name='out'><static>1</static><pose>0 5 0 0 0 0</pose>{inner}</model>"
-
     thing = only(read(tmp_path, outer))
-
     assert (thing.name, thing.mass) == ("out::in::l", 0.0)
     assert thing.pose.position == (1.0, 5.0, 0.0)
 
@@ -161,9 +150,7 @@ def test_nested_models_stand_in_each_other(tmp_path):
 def test_a_rotation_is_read_in_all_its_forms(tmp_path, pose, rotation):
     inside = static(f"<collision name='c'>{BOX}</collision>")
     inside = inside.replace("<pose>0 0 0 0 0 0</pose>", pose)
-
     found = only(read(tmp_path, inside)).pose.rotation
-
     assert found == pytest.approx(rotation.rotation, abs=1e-7)
 
 
@@ -182,9 +169,7 @@ def test_includes_are_found_beside_the_file_and_where_gazebo_looks(tmp_path, mon
         f"<include><uri>{uri}</uri><name>n{i}</name><pose>{i} 0 0 0 0 0</pose></include>"
         for i, uri in enumerate(uris)
     )
-
     found = read(tmp_path, inside)
-
     assert [(thing.name, thing.pose.x) for thing in found.objects] == [
         (f"n{i}::l", float(i)) for i in range(len(uris))
     ]
@@ -202,9 +187,7 @@ def test_what_is_left_out_is_one_line(tmp_path):
         + static(mesh.replace("mesh", "heightmap"))
         + static(f"<visual name='v'>{BOX}</visual>")
     )
-
     found = read(tmp_path, inside)
-
     assert found.objects == ()
     assert found.notes == (
         (
@@ -225,9 +208,7 @@ def test_a_world_file_takes_the_things_of_a_gazebo_world(tmp_path):
     inside = static(f"<collision name='c'>{BOX}</collision>", "1 0 0 0 0 0")
     (tmp_path / "yard.world").write_text(world(inside + "<light name='a'/>"))
     text = "objects:\n- {type: sdf, file: yard.world, pose: [0, 2, 90 deg]}"
-
     found = read_scene(text, str(tmp_path / "mine.yaml"))
-
     assert only(found).pose.position == pytest.approx((0.0, 3.0, 0.0))
     assert found.notes == (f"{tmp_path}/yard.world: left out: light (1)",)
 
@@ -271,10 +252,8 @@ def test_what_is_wrong_is_said_with_file_and_line(tmp_path, old, new, message):
     loop = "<sdf><model name='a'><include><uri>loop.sdf</uri></include></model></sdf>"
     (tmp_path / "loop.sdf").write_text(loop)
     text = world(GOOD.replace(old, new, 1)) if old else new
-
     with pytest.raises(InvalidFile) as caught:
         read_scene(text, str(tmp_path / "yard.world"))
-
     assert str(caught.value).endswith(message.replace("FOLDER", str(tmp_path)))
 
 
@@ -286,6 +265,5 @@ def test_includes_that_multiply_are_refused(tmp_path, monkeypatch):
             f"<include><uri>m{i - 1}.sdf</uri><name>n{k}</name></include>" for k in range(20)
         )
         (tmp_path / f"m{i}.sdf").write_text(f"<sdf><model name='a'>{twenty}</model></sdf>")
-
     with pytest.raises(InvalidFile, match=r"the world has more than 100 models"):
         read(tmp_path, "<include><uri>m29.sdf</uri></include>")

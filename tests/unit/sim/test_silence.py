@@ -25,12 +25,10 @@ def run(script, prefix=""):
 def test_what_c_and_python_print_within_is_gone_and_the_rest_is_there():
     # stdout is a pipe here, so C buffers it: it must be flushed before it is given back.
     done = run(SCRIPT)
-
     assert (done.returncode, done.stderr) == (0, "")
     assert sorted(done.stdout.split()) == ["after", "before"]
 
 
 def test_a_program_without_stdout_is_silenced_too():
     done = run(SCRIPT.replace('print("before")', ""), ">&-")
-
     assert (done.returncode, done.stderr) == (0, "")

@@ -18,9 +18,7 @@ def test_from_above_everything_is_in_the_picture_to_its_top(width, height):
     ]
     corners = corners_of(solids_of(parts)).reshape(-1, 3)
     camera = Camera(width, height, 1.0)
-
     x, y, z = _above(corners, camera)
-
     depth = z - corners[:, 2]
     across = np.abs(corners[:, 0] - x) / depth * camera.focal_length
     along = np.abs(corners[:, 1] - y) / depth * camera.focal_length
@@ -29,5 +27,4 @@ def test_from_above_everything_is_in_the_picture_to_its_top(width, height):
 
 def test_a_body_that_is_lost_does_not_spoil_the_picture():
     corners = np.array([(np.nan, 0.0, 0.0), (1.0, 1.0, 1.0)])
-
     assert np.isfinite(_above(corners, Camera(800, 600, 1.0))).all()

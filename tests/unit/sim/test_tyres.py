@@ -37,7 +37,6 @@ def test_tyres_that_do_not_slip_make_the_body_move_as_the_wheels_do(
     forward, sideways, turn_rate, left, right
 ):
     change = GRIPPING(forward, sideways, turn_rate, left, right, NO_LIMIT)
-
     wanted = body_velocity(left, right, TRACK)
     after = forward + change[0], sideways + change[1], turn_rate + change[2]
     assert after == pytest.approx((wanted[0], 0.0, wanted[1]), abs=1e-9)
@@ -52,10 +51,8 @@ def test_a_little_less_friction_than_is_needed_changes_little(
     wanted = body_velocity(left, right, TRACK)
     along = abs(MASS / 2 * (wanted[0] - forward)) + abs(INERTIA / TRACK * (wanted[1] - turn_rate))
     needed = math.hypot(along, MASS / 2 * sideways)
-
     enough = GRIPPING(*before, left, right, needed * (1 + 1e-9))
     short = GRIPPING(*before, left, right, needed * (1 - 1e-9))
-
     assert enough == pytest.approx(short, abs=1e-6)
 
 
@@ -63,7 +60,6 @@ def test_a_little_less_friction_than_is_needed_changes_little(
 @given(velocities, st.tuples(speeds, speeds))
 def test_tyres_give_no_more_than_friction_allows(tyres, lever, before, wheels):
     change = tyres(*before, *wheels, LIMIT)
-
     assert math.hypot(change[0], change[1]) * MASS <= 2 * LIMIT * (1 + 1e-9)
     assert abs(change[2]) * INERTIA <= 2 * LIMIT * lever * (1 + 1e-9)
 
@@ -76,7 +72,6 @@ def test_tyres_of_standing_wheels_only_take_energy_away(tyres, before):
 
     change = tyres(*before, 0.0, 0.0, LIMIT)
     after = tuple(a + b for a, b in zip(before, change, strict=True))
-
     assert energy(*after) <= energy(*before) + 1e-12
 
 
@@ -93,7 +88,6 @@ def test_tyres_of_many_robots_pull_as_those_of_each(kind):
         return skidding(mass, inertia, WHEELS, ops)
 
     together = made(masses, inertias, ARRAYS)(*values, limits)
-
     for i in range(50):
         alone = made(float(masses[i]), float(inertias[i]), FLOATS)(
             *values[:, i].tolist(), limits[i]

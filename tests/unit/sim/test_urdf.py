@@ -64,7 +64,6 @@ def model(folder, urdf=CART, drive=DRIVE):
 
 def test_the_wheels_give_radius_track_and_the_names_of_the_sides(tmp_path):
     cart = model(tmp_path)
-
     assert cart.name == "cart"
     assert cart.drive.wheel_radius == 0.1
     assert cart.drive.track == pytest.approx(0.3)
@@ -81,7 +80,6 @@ def test_the_wheels_give_radius_track_and_the_names_of_the_sides(tmp_path):
 
 def test_viewers_see_wheels_with_spokes_that_turn(tmp_path):
     look = model(tmp_path).body.look
-
     assert [type(part.shape) for part in look.parts] == [Cuboid, Sphere]
     assert [wheel.centre for wheel in look.wheels] == [
         pytest.approx((0, 0.15, 0.1)),
@@ -97,9 +95,7 @@ def test_what_the_drive_says_wins_over_the_geometry(tmp_path):
         "{left: [left_joint], right: [right_joint], wheel_radius: 0.11, track: 0.4,"
         " max_speed: 2, max_turn_rate: 3, max_acceleration: 4, time_constant: 0.2, friction: 0.5}"
     )
-
     found = model(tmp_path, drive=drive).drive
-
     assert (found.wheel_radius, found.track, found.max_speed) == (0.11, 0.4, 2.0)
     assert (found.max_turn_rate, found.max_acceleration) == (3.0, 4.0)
     assert (found.time_constant, found.tyre_friction) == (0.2, 0.5)
@@ -107,7 +103,6 @@ def test_what_the_drive_says_wins_over_the_geometry(tmp_path):
 
 def test_masses_are_joined_by_the_parallel_axis_theorem(tmp_path):
     body = model(tmp_path).body
-
     # base_link hangs 0.12 m above the ground, its mass 0.02 m higher, the wheels' at 0.1 m.
     height = (4 * 0.14 + 2 * 0.5 * 0.1) / 5
     above, below = 0.14 - height, height - 0.1
@@ -125,9 +120,7 @@ def test_masses_are_joined_by_the_parallel_axis_theorem(tmp_path):
 
 def test_a_turned_inertia_is_turned_into_the_base(tmp_path):
     turned = CART.replace('<origin xyz="0 0 0.02"/><mass', '<origin rpy="0 1.5707963 0"/><mass')
-
     before, after = model(tmp_path).body, model(tmp_path, turned).body
-
     heights = [(4 * z + 2 * 0.5 * 0.1) / 5 for z in (0.14, 0.12)]
     steiner = [
         4 * (z - h) ** 2 + (h - 0.1) ** 2 for z, h in zip((0.14, 0.12), heights, strict=True)
@@ -139,7 +132,6 @@ def test_a_turned_inertia_is_turned_into_the_base(tmp_path):
 def test_shapes_are_those_that_collide_or_else_those_that_are_seen(tmp_path):
     found = scene(tmp_path)
     parts = found.robots[0].model.body.parts
-
     assert [type(part.shape) for part in parts] == [Cuboid, Cylinder, Cylinder, Sphere]
     assert parts[0].color == (0.0, 0.0, 1.0)
     assert parts[0].position == pytest.approx((0.0, 0.0, 0.12))
@@ -148,7 +140,6 @@ def test_shapes_are_those_that_collide_or_else_those_that_are_seen(tmp_path):
 
 def test_nothing_but_the_feet_touches_the_ground(tmp_path):
     body = model(tmp_path).body
-
     for part in body.parts[1:]:
         radius = part.shape.radius if not isinstance(part.shape, Cuboid) else 0.0
         assert part.position[2] - radius > 0.003
@@ -156,7 +147,6 @@ def test_nothing_but_the_feet_touches_the_ground(tmp_path):
 
 def test_it_stands_on_wheels_and_caster_and_a_foot_where_nothing_supports_it(tmp_path):
     left, right, caster, added = model(tmp_path).body.feet
-
     assert (left, right) == ((0.0, pytest.approx(0.15)), (0.0, pytest.approx(-0.15)))
     assert caster == (pytest.approx(-0.15), 0.0)
     assert added[0] > 0.03
@@ -171,10 +161,8 @@ def test_four_wheels_can_skid_and_need_no_more_feet(tmp_path):
         for side, y in (("left", 0.15), ("right", -0.15))
     )
     drive = "{left: [left_joint, left2_joint], right: [right_joint, right2_joint]}"
-
     found = scene(tmp_path, CART.replace("</robot>", extra + "</robot>"), drive, "  skid: coulomb")
     cart = found.robots[0].model
-
     assert cart.drive.skids
     corners = sorted((round(x, 9), round(y, 9)) for x, y in cart.drive.wheels)
     assert corners == [(-0.1, -0.15), (-0.1, 0.15), (0.1, -0.15), (0.1, 0.15)]
@@ -186,7 +174,6 @@ def test_four_wheels_can_skid_and_need_no_more_feet(tmp_path):
 def test_a_link_that_is_only_seen_as_a_mesh_is_left_out_and_said(tmp_path):
     mesh = '<visual><geometry><mesh filename="a.stl"/></geometry></visual>'
     ball = '<visual><geometry><sphere radius="0.04"/></geometry></visual>'
-
     assert scene(tmp_path, CART.replace(ball, mesh)).notes == (
         f"{tmp_path}/cart.urdf:25: link 'caster' is left out: it is a mesh",
     )
@@ -212,7 +199,6 @@ def test_an_inertia_that_no_body_has_is_named(tmp_path, inertia, *, is_noted):
 
 def test_topics_and_commands_are_renamed(tmp_path):
     found = scene(tmp_path, more="  topics: {odometry: odom}\n  commands: [drive]\n")
-
     cart = found.robots[0].model
     assert [mount.topic for mount in cart.sensors][:2] == ["odom", "wheel_states"]
     assert [command.name for command in cart.commands] == ["drive"]
@@ -270,10 +256,8 @@ WRONG = [
 )
 def test_what_is_wrong_in_the_file_is_said_with_its_line(tmp_path, old, new, message):
     assert old in CART
-
     with pytest.raises(InvalidFile) as caught:
         scene(tmp_path, CART.replace(old, new, 1))
-
     assert str(caught.value).startswith(f"{tmp_path}/cart.urdf{message}")
 
 
@@ -303,17 +287,14 @@ def test_what_is_wrong_in_the_file_is_said_with_its_line(tmp_path, old, new, mes
 def test_what_is_wrong_in_the_drive_is_said_with_its_line(tmp_path, drive, message):
     with pytest.raises(InvalidFile) as caught:
         scene(tmp_path, drive=drive)
-
     wanted = message.replace("FOLDER", str(tmp_path))
     assert str(caught.value).startswith(f"{tmp_path}/yard.yaml:{wanted}")
 
 
 def test_the_error_for_a_urdf_without_a_drive_names_the_joints_that_turn(tmp_path):
     (tmp_path / "cart.urdf").write_text(CART)
-
     with pytest.raises(InvalidFile) as caught:
         read_scene("robots:\n- {model: ./cart.urdf, namespace: a}", str(tmp_path / "yard.yaml"))
-
     assert str(caught.value) == (
         f"{tmp_path}/yard.yaml:2: a model from a URDF file needs the key 'drive'; name its wheels:"
         " drive: {left: [JOINT], right: [JOINT]}; joints that turn: left_joint, right_joint"
@@ -323,7 +304,6 @@ def test_the_error_for_a_urdf_without_a_drive_names_the_joints_that_turn(tmp_pat
 def test_wheels_without_mass_and_of_two_sizes_are_refused(tmp_path):
     massless = CART.replace('value="4"', 'value="0"').replace('value="0.5"', 'value="0"')
     uneven = CART.replace('radius="0.1"', 'radius="0.12"', 1)
-
     with pytest.raises(InvalidFile, match=r"cart.urdf:2: no link has a mass"):
         scene(tmp_path, massless)
     with pytest.raises(InvalidFile, match=r"the wheels have radii from 0.1 to 0.12 m; set whee"):
@@ -337,6 +317,5 @@ def test_a_deep_file_is_refused(tmp_path):
 
 def test_a_base_turned_in_the_world_makes_no_difference(tmp_path):
     turned = CART.replace('<origin xyz="0 0 0.12"/>', '<origin xyz="3 2 0.12" rpy="0 0 1"/>')
-
     assert model(tmp_path, turned).body.parts[0].position == pytest.approx((0, 0, 0.12))
     assert not math.isnan(model(tmp_path, turned).drive.track)

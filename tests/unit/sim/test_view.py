@@ -103,9 +103,7 @@ def test_without_a_subscriber_nothing_is_sent_not_even_to_plain_programs(node, s
     node.overheard = True
     View(node, simulation, whole=True)
     timers = len(node.timers)
-
     node.let_pass(50)
-
     assert [publisher.sent for publisher in node.publishers.values()] == [[], []]
     assert (len(node.timers), min(node.timers.values())) == (timers, 0.1)  # it hardly looks
 
@@ -116,12 +114,10 @@ def test_poses_are_sent_while_somebody_subscribes(node, simulation):
     poses.subscribers.add("viewer")
     node.let_pass()
     assert min(node.timers.values()) == pytest.approx(1 / 30)
-
     for step in range(5):
         simulation.objects[0].frame = Frame((step, 0.0, 1.0))
         node.let_pass()
     assert len(poses.sent) == 5
-
     poses.subscribers.clear()
     node.let_pass()
     sent = len(poses.sent)
@@ -134,25 +130,20 @@ def test_poses_that_stay_are_sent_once_a_second(node, simulation):
     poses = node.publishers["~poses"]
     poses.subscribers.add("viewer")
     node.let_pass()
-
     node.let_pass(90)
-
     assert 3 <= len(poses.sent) <= 4
 
 
 def test_the_world_is_sent_to_each_new_subscriber_and_when_it_changes(node, simulation):
     view = View(node, simulation, whole=True)
     world = node.publishers["~world"]
-
     for subscriber in ("first", "second"):
         world.subscribers.add(subscriber)
         node.let_pass(3)
     assert len(world.sent) == 2
-
     view.refresh()
     node.let_pass(3)
     assert len(world.sent) == 3
-
     node.let_pass(10)
     assert len(world.sent) == 4  # once a second: one may be lost
 
@@ -161,9 +152,7 @@ def test_a_follower_shows_its_robots_alone(node, simulation):
     View(node, simulation, whole=False)
     for publisher in node.publishers.values():
         publisher.subscribers.add("viewer")
-
     node.let_pass(2)
-
     (world,), (poses,) = (node.publishers[name].sent for name in ("~world", "~poses"))
     assert [marker.action for marker in world.markers] == [3]
     assert poses.transforms == []
@@ -173,7 +162,6 @@ def test_a_path_is_repeated_every_second_for_plain_programs(node):
     LatchedPublisher(node, String, "a", String, node.has_plain_listeners)
     node.let_pass(20)
     assert node.publishers["a"].sent == []
-
     node.overheard = True
     node.let_pass(20)
     assert len(node.publishers["a"].sent) == 2

@@ -37,7 +37,6 @@ def test_a_camera_that_could_make_no_picture_is_refused(width, height, field_of_
 
 def test_the_optical_frame_looks_along_x_with_y_to_the_left():
     right, down, forward = axes(OPTICAL)
-
     assert right == pytest.approx((0, -1, 0))
     assert down == pytest.approx((0, 0, -1))
     assert forward == pytest.approx((1, 0, 0))
@@ -46,7 +45,6 @@ def test_the_optical_frame_looks_along_x_with_y_to_the_left():
 @given(angles, angles, angles)
 def test_the_optical_rotation_is_the_cameras_times_the_fixed_one(roll, pitch, yaw):
     rotation = from_euler(roll, pitch, yaw)
-
     np.testing.assert_allclose(
         matrix(optical(rotation)), matrix(rotation) @ matrix(OPTICAL), atol=1e-12
     )
@@ -54,9 +52,7 @@ def test_the_optical_rotation_is_the_cameras_times_the_fixed_one(roll, pitch, ya
 
 def test_every_ray_projects_to_its_own_pixel():
     rows, columns = np.mgrid[: KINECT.height, : KINECT.width]
-
     pixels = project(KINECT, rays_of(KINECT) * 3.7)
-
     np.testing.assert_allclose(pixels[..., 0], columns, atol=1e-9)
     np.testing.assert_allclose(pixels[..., 1], rows, atol=1e-9)
 
@@ -64,7 +60,6 @@ def test_every_ray_projects_to_its_own_pixel():
 def test_camera_info_is_that_of_a_centred_pinhole():
     info = decode(CameraInfo, encode(KINECT.info()))
     focal = KINECT.focal_length
-
     assert (info.width, info.height) == (640, 480)
     assert info.distortion_model == "plumb_bob"
     assert info.D == (0, 0, 0, 0, 0)
@@ -80,10 +75,8 @@ def test_camera_info_says_at_which_pixel_a_point_is_seen(z, across, down):
     camera = Camera(320, 240, math.radians(57))
     message = camera.info()
     u, v, w = np.array(message.P).reshape(3, 4) @ (*point, 1)
-
     ball = solids_of([Part(Sphere(0.03 * z), position)])
     rows, columns = np.nonzero(np.isfinite(render(ball, camera, (0, 0, 0), OPTICAL).depth))
-
     if 12 < u / w < 307 and 12 < v / w < 227:  # all of the ball in the picture
         assert columns.mean() == pytest.approx(u / w, abs=0.5)
         assert rows.mean() == pytest.approx(v / w, abs=0.5)

@@ -33,7 +33,6 @@ def test_each_pixel_has_the_colour_of_what_its_depth_belongs_to():
         Part(Cylinder(0.2, 0.5), (4, -0.2, 0.2), from_euler(0.5, 0, 0), RED),
     )
     hue = hues(color_image(sight))
-
     assert color_image(sight).shape == (121, 161, 3)
     for number, expected in ((0, 1), (1, 2), (2, 1), (GROUND, 4), (SKY, 7)):
         assert (sight.solid == number).any()
@@ -42,16 +41,13 @@ def test_each_pixel_has_the_colour_of_what_its_depth_belongs_to():
 
 def test_the_sky_has_its_own_colour():
     picture = color_image(sight_of())
-
     assert picture[0, 0].tolist() == [round(255 * level) for level in SKY_COLOR]
 
 
 def test_the_faces_of_a_box_differ_and_each_is_even():
     box = Part(Cuboid((1, 1, 0.2)), (3, 0, 0), from_euler(0, 0, 0.6), RED)
     sight = sight_of(box)
-
     shades = set(color_image(sight)[sight.solid == 0][:, 0].tolist())
-
     assert len(shades) == 3
 
 
@@ -59,9 +55,7 @@ def test_a_ball_is_brightest_where_it_faces_the_sun():
     sight = sight_of(Part(Sphere(0.5), (3, 0, 0.3), color=RED))
     red = np.where(sight.solid == 0, color_image(sight)[:, :, 0], 0).astype(float)
     toward = project(CAMERA, (-0.5 * SUN[1], -0.5 * SUN[2], 3 + 0.5 * SUN[0]))
-
     row, column = np.unravel_index(red.argmax(), red.shape)
-
     assert abs(column - toward[0]) < 4
     assert abs(row - toward[1]) < 4
 
@@ -72,8 +66,6 @@ def test_a_cap_is_even_and_differs_from_the_side():
     red = color_image(sight)[:, :, 0]
     depth, (row, column) = sight.depth, np.nonzero(sight.solid == 0)
     height = 0.3 - depth[row, column] * (row - 60) / CAMERA.focal_length
-
     cap = red[row, column][height > 0.09999]
-
     assert len(set(cap.tolist())) == 1
     assert len(set(red[row, column][height < 0.09].tolist())) > 10

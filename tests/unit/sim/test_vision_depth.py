@@ -36,7 +36,6 @@ def truth(solids, camera, eye, rotation):
 
 def test_a_flat_wall_has_the_same_depth_in_every_pixel():
     depth = depth_of(Part(Cuboid((0.2, 50, 50)), (3.1, 0, 0)))
-
     assert depth.dtype == np.float32
     assert depth.shape == (121, 161)
     np.testing.assert_allclose(depth, 3.0, atol=1e-6)
@@ -51,9 +50,7 @@ def test_an_oblique_wall_is_a_plane(angle):
     x, _ = CAMERA.slopes()
     forward = normal[0] - x * normal[1]  # n.ray, the column's ray being (1, -x)
     expected = np.broadcast_to(2 * normal[0] / forward, (121, 161))
-
     depth = depth_of(wall)
-
     assert depth[MIDDLE] == pytest.approx(2.0, abs=1e-6)
     np.testing.assert_allclose(depth[expected < 8], expected[expected < 8], atol=1e-5)
 
@@ -62,14 +59,12 @@ def test_the_floor_of_a_level_camera_is_its_height_by_the_slope_of_the_row():
     depth = render(solids_of([], GREY), CAMERA, EYE, AHEAD).depth
     rows = np.arange(61, 121)
     expected = 0.3 * CAMERA.focal_length / (rows - 60)
-
     np.testing.assert_allclose(depth[61:], np.tile(expected[:, None], 161), rtol=1e-6)
     assert np.isinf(depth[:61]).all()
 
 
 def test_the_floor_is_not_seen_from_below():
     depth = render(solids_of([], GREY), CAMERA, (0, 0, -1), optical(from_euler(0, -0.5, 0))).depth
-
     assert np.isinf(depth).all()
 
 
@@ -77,9 +72,7 @@ def test_a_box_covers_the_pixels_between_its_projected_corners():
     box = Part(Cuboid((1, 0.8, 0.4)), (2.5, 0.3, 0.3))
     left, right = project(CAMERA, [(-0.7, 0, 2), (0.1, 0, 2)])[:, 0]
     top, bottom = project(CAMERA, [(0, -0.2, 2), (0, 0.2, 2)])[:, 1]
-
     rows, columns = np.nonzero(np.isfinite(depth_of(box)))
-
     assert columns.min() == math.ceil(left)
     assert columns.max() == math.floor(right)
     assert rows.min() == math.ceil(top)
@@ -88,7 +81,6 @@ def test_a_box_covers_the_pixels_between_its_projected_corners():
 
 def test_the_middle_of_a_ball_is_nearest():
     depth = depth_of(Part(Sphere(0.5), (3, 0, 0.3)))
-
     assert depth[MIDDLE] == pytest.approx(2.5, abs=1e-6)
     assert depth.min() == depth[MIDDLE]
     silhouette = math.tan(math.asin(0.5 / 3)) * CAMERA.focal_length
@@ -97,7 +89,6 @@ def test_the_middle_of_a_ball_is_nearest():
 
 def test_the_side_of_a_standing_cylinder_is_the_same_in_every_row():
     depth = depth_of(Part(Cylinder(0.5, 40), (3, 0, 0.3)))
-
     np.testing.assert_allclose(depth[:, 80], 2.5, atol=1e-6)
     assert (depth == depth[60]).all()
 
@@ -107,7 +98,6 @@ def test_the_cap_of_a_lying_cylinder_is_flat_and_round():
     radius = 0.5 / 2.5 * CAMERA.focal_length
     row, column = np.mgrid[:121, :161]
     from_axis = np.hypot(row - 60, column - 80)
-
     np.testing.assert_allclose(depth[from_axis < radius - 0.01], 2.5, atol=1e-6)
     assert np.isinf(depth[from_axis > radius + 0.01]).all()
 
@@ -115,7 +105,6 @@ def test_the_cap_of_a_lying_cylinder_is_flat_and_round():
 @pytest.mark.parametrize("shape", [Cuboid((1, 1, 1)), Cylinder(0.5, 1), Sphere(0.5)])
 def test_a_solid_is_not_seen_from_within(shape):
     wall = Part(Cuboid((0.2, 50, 50)), (3.1, 0, 0))
-
     np.testing.assert_allclose(depth_of(Part(shape, EYE), wall), 3.0, atol=1e-6)
 
 
@@ -129,7 +118,6 @@ def test_a_wall_beside_that_reaches_behind_is_seen_to_where_it_ends():
     depth = depth_of(Part(Cuboid((20, 0.2, 50)), (0, 1.1, 0)))
     x, _ = CAMERA.slopes()
     expected = np.where(x < -0.1, -1 / np.where(x == 0, 1, x), np.inf)
-
     np.testing.assert_allclose(depth, np.tile(expected, (121, 1)), rtol=1e-6)
 
 
@@ -137,7 +125,6 @@ def test_the_nearest_solid_covers_the_others_in_any_order():
     parts = [Part(Cuboid((0.2, 9, 9)), (4, 0, 0)), Part(Sphere(0.3), (2, 0, 0.3))]
     for order, ball in ((parts, 1), (parts[::-1], 0)):
         sight = render(solids_of(order, GREY), CAMERA, EYE, AHEAD)
-
         assert sight.solid[MIDDLE] == ball
         assert sight.solid[0, 0] == 1 - ball
         assert sight.depth[MIDDLE] == pytest.approx(1.7, abs=1e-6)
@@ -151,7 +138,6 @@ def test_a_group_that_is_placed_is_seen_where_it_is():
     rotation = from_euler(0.1, 0.2, 2.0)
     turn = matrix(rotation)
     world = joined(walls, robot.placed((3, 0.2, 0.3), rotation))
-
     assert len(world) == 2
     assert world.ground == GREY
     np.testing.assert_allclose(world.centres[1], turn @ (0.3, 0, 0.1) + (3, 0.2, 0.3))
@@ -162,7 +148,6 @@ def test_a_group_that_is_placed_is_seen_where_it_is():
 
 def test_an_empty_world_is_all_sky():
     sight = render(solids_of([]), CAMERA, EYE, AHEAD)
-
     assert np.isinf(sight.depth).all()
     assert (sight.solid == SKY).all()
 
@@ -171,7 +156,6 @@ def test_an_empty_world_is_all_sky():
 @pytest.mark.parametrize("shape", [Cuboid((1, 1, 1)), Cylinder(0.5, 1), Sphere(0.5)])
 def test_a_body_that_is_lost_is_not_seen_and_hides_nothing(shape, lost):
     wall = Part(Cuboid((0.2, 50, 50)), (3.1, 0, 0))
-
     np.testing.assert_allclose(depth_of(Part(shape, (lost, 0, 0)), wall), 3.0, atol=1e-6)
 
 
@@ -199,7 +183,6 @@ def test_any_picture_is_what_rays_cast_one_by_one_see(parts, eye, rotation):
     alone = render(solids, SMALL, eye, rotation, only_depth=True).depth
     np.testing.assert_array_equal(alone, depth)
     expected = truth(solids, SMALL, eye, rotation)
-
     # At the very edge of a solid a ray that touches it may go either way.
     is_near = (depth <= FAR) | (expected <= FAR)
     assert (~np.isclose(depth, expected, rtol=0, atol=MILLIMETRE))[is_near].sum() <= 5
@@ -241,7 +224,6 @@ def test_float32_is_good_to_a_hundredth_of_a_millimetre_within_8_metres():
         errors.append(np.abs(depth[both] - expected[both]))
         assert ((depth <= FAR) != (expected <= FAR)).mean() < 2e-4  # edges
     error = np.sort(np.concatenate(errors))
-
     assert np.median(error) < 1e-6
     assert error[int(0.999 * len(error))] < 1e-5
     assert error[int(0.9999 * len(error))] < MILLIMETRE

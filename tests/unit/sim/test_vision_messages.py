@@ -46,7 +46,6 @@ def sight():
 
 def test_metres_are_float32_with_nan_outside_the_range():
     message = decode(Image, encode(depth_message(ROW, METRES, NEAR, FAR)))
-
     assert (message.height, message.width, message.step) == (1, 8, 32)
     assert (message.encoding, message.is_bigendian) == ("32FC1", 0)
     values = np.frombuffer(message.data, "<f4")
@@ -56,7 +55,6 @@ def test_metres_are_float32_with_nan_outside_the_range():
 
 def test_millimetres_are_rounded_with_0_outside_the_range():
     message = decode(Image, encode(depth_message(ROW, MILLIMETRES, NEAR, FAR)))
-
     assert (message.height, message.width, message.step) == (1, 8, 16)
     assert (message.encoding, message.is_bigendian) == ("16UC1", 0)
     assert np.frombuffer(message.data, "<u2").tolist() == [0, 500, 1234, 1235, 8000, 0, 0, 0]
@@ -64,7 +62,6 @@ def test_millimetres_are_rounded_with_0_outside_the_range():
 
 def test_what_16_bits_cannot_hold_is_no_reading():
     depth = np.array([[65.535, 65.54, 70.0]], np.float32)
-
     assert in_millimetres(depth, 0.0, 100.0).tolist() == [[65535, 0, 0]]
 
 
@@ -76,7 +73,6 @@ def test_another_encoding_is_refused():
 def test_colours_are_rgb8(sight):
     picture = color_image(sight)
     message = decode(Image, encode(color_message(picture)))
-
     assert (message.height, message.width, message.step) == (60, 80, 240)
     assert (message.encoding, message.is_bigendian) == ("rgb8", 0)
     assert message.data == picture.tobytes()
@@ -85,14 +81,12 @@ def test_colours_are_rgb8(sight):
 def test_compressed_pictures_are_png_files_of_the_same_pixels(sight):
     for picture in (color_image(sight), in_millimetres(sight.depth, NEAR, FAR)):
         message = decode(CompressedImage, encode(compressed_message(picture)))
-
         assert message.format == "png"
         np.testing.assert_array_equal(np.asarray(PngFile.open(BytesIO(message.data))), picture)
 
 
 def test_a_cloud_without_colours_is_three_floats_a_point(sight):
     message = decode(PointCloud2, encode(cloud_message(sight.depth, CAMERA, NEAR, FAR)))
-
     assert (message.height, message.width) == (60, 80)
     assert (message.point_step, message.row_step) == (12, 960)
     assert (message.is_bigendian, message.is_dense) == (False, False)
@@ -107,7 +101,6 @@ def test_a_clouds_points_are_the_depth_along_the_rays(sight):
     cloud = points(sight.depth)
     valid = (sight.depth >= NEAR) & (sight.depth <= FAR)
     expected = rays_of(CAMERA) * sight.depth[..., None]
-
     assert 0 < valid.sum() < valid.size
     assert np.isnan(cloud[~valid]).all()
     np.testing.assert_allclose(cloud[valid], expected[valid], atol=1e-5)
@@ -116,7 +109,6 @@ def test_a_clouds_points_are_the_depth_along_the_rays(sight):
 def test_a_clouds_points_lie_on_the_solids(sight):
     turn = matrix(ROTATION)
     cloud = points(sight.depth)[sight.solid == 1] @ turn.T + EYE
-
     np.testing.assert_allclose(np.linalg.norm(cloud - (2, -0.3, 0.3), axis=1), 0.3, atol=1e-5)
     rays = rays_of(CAMERA)[sight.solid == 1] @ turn.T
     ball = solids_of([Part(Sphere(0.3), (2, -0.3, 0.3))])
@@ -128,7 +120,6 @@ def test_a_clouds_colours_are_those_of_its_pixels(sight):
     picture = color_image(sight)
     message = decode(PointCloud2, encode(cloud_message(sight.depth, CAMERA, NEAR, FAR, picture)))
     data = np.frombuffer(message.data, np.uint8).reshape(60, 80, 16)
-
     assert (message.point_step, message.row_step) == (16, 1280)
     assert (message.fields[3].name, message.fields[3].offset) == ("rgb", 12)
     assert message.fields[3].datatype == 7

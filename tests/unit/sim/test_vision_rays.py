@@ -45,11 +45,9 @@ def test_a_ray_goes_to_the_first_surface(shape, origin, direction, distance):
     start = solids_of([Part(shape, origin)]).placed(FAR_ABOVE, rotation).centres[0]
     x, y, z = solids_of([Part(shape, direction)]).placed((0, 0, 0), rotation).centres[0]
     towards = from_euler(0.0, -math.atan2(z, math.hypot(x, y)), math.atan2(y, x))
-
     ranges = Scanner(np.array((0.0, 1e-6)), 50.0).scan(
         tuple(start), towards, [(body, FAR_ABOVE, rotation)]
     )
-
     assert ranges[0] == pytest.approx(distance, abs=1e-9)
     assert cast(body, origin, [direction]) == pytest.approx([distance], abs=1e-12)
 
@@ -60,7 +58,5 @@ def test_a_laser_in_a_square_room_measures_the_walls():
     room = solids_of([Part(Cuboid(size), place) for place, size in walls])
     angles = np.linspace(-math.pi, math.pi, 360, endpoint=False)
     expected = 2 / np.maximum(np.abs(np.cos(angles)), np.abs(np.sin(angles)))
-
     ranges = Scanner(angles, 10.0).scan((0, 0, 1), (0, 0, 0, 1), [(room, (0, 0, 0), (0, 0, 0, 1))])
-
     np.testing.assert_allclose(ranges, expected, rtol=1e-12)

@@ -55,9 +55,7 @@ def test_it_agrees_with_single_rays(seed, tilt):
     fixed, body = solids_of(clutter(random, 24)), solids_of(clutter(random, 5))
     pose = (1.0, -2.0, 0.3), from_euler(0.1, 0.2, 2.0)
     turned = from_euler(*random.uniform(-tilt, tilt, 2).tolist(), float(random.uniform(-3, 3)))
-
     distances = check(CIRCLE, EYE, turned, (fixed, *HERE), (body, *pose))
-
     assert np.isfinite(distances).mean() > 0.1
 
 
@@ -67,9 +65,7 @@ def test_it_agrees_in_a_crowd_where_the_eye_is_inside_of_some(seed, shape):
     random = np.random.default_rng(seed)
     crowd = solids_of(clutter(random, 300, (shape,)))
     eye = tuple(crowd.centres[seed] + crowd.half_sizes[seed] * random.uniform(-0.5, 0.5, 3))
-
     distances = check(CIRCLE, eye, from_euler(0.1, 0.0, 1.0), (crowd, *HERE))
-
     assert np.isfinite(distances).mean() > 0.3
 
 
@@ -100,9 +96,7 @@ def test_it_agrees_where_the_eye_is_above_below_and_beside_a_solid(shape):
 def test_it_agrees_for_any_fan_of_rays(first, last, count):
     random = np.random.default_rng(1)
     world = solids_of(clutter(random, 40))
-
     distances = check(np.linspace(first, last, count), EYE, LEVEL, (world, *HERE))
-
     assert count < 5 or 0 < np.isfinite(distances).mean() < 1
 
 
@@ -119,9 +113,7 @@ def test_a_scanner_sees_what_moves_comes_and_goes():
         solids = [
             s.placed(*pose) for s, is_shown in zip((body, other), shown, strict=True) if is_shown
         ]
-
         distances = scanner.scan(EYE, LEVEL, standing)
-
         expected = cast(joined(solids_of([]), *solids), EYE, rays(CIRCLE, LEVEL), LONGEST)
         np.testing.assert_allclose(distances, expected, rtol=0, atol=1e-9)
 
@@ -140,9 +132,7 @@ def test_many_scanners_together_see_to_the_bit_what_each_alone_sees(angles, tilt
     eyes = random.uniform((-9, -9, 0), (9, 9, 1), (37, 3))
     turns = [from_euler(*random.uniform(-tilt, tilt, 2), yaw) for yaw in range(37)]
     own = np.arange(37) % len(bodies)
-
     ranges = scanner.scan_batch(eyes.T, np.array(turns).T, bodies, own)
-
     assert np.isfinite(ranges).mean() > 0.1
     for one, eye, turn, body in zip(ranges, eyes.tolist(), turns, own, strict=True):
         others = [*bodies[:body], *bodies[body + 1 :]]
@@ -161,7 +151,6 @@ def test_nothing_is_infinitely_far():
 def test_a_body_that_the_engine_has_lost_is_not_seen():
     lost = (math.nan, 0.0, 0.0), LEVEL
     group = solids_of([Part(Cuboid((1.0, 1.0, 1.0)))])
-
     assert np.isposinf(Scanner(CIRCLE, LONGEST).scan(EYE, LEVEL, [(group, *lost)])).all()
 
 
@@ -169,7 +158,6 @@ def test_a_solid_around_the_eye_is_not_seen_and_what_is_behind_it_is():
     wall = Part(Cuboid((0.2, 40.0, 2.0)), (4.1, 0.0, 1.0))
     for shape in (Cuboid((0.4, 0.4, 0.4)), Cylinder(0.2, 0.4), Sphere(0.2)):
         distances = look(Part(shape, (0.0, 0.0, 0.5)), wall)
-
         assert distances[360] == pytest.approx(4.0)
         assert np.isposinf(distances[0])
 
@@ -182,7 +170,6 @@ def test_an_eye_that_touches_a_side_is_inside_it(shape, gap):
 
 def test_an_eye_in_the_plane_of_a_side_looks_along_it():
     row = [Part(Cuboid((1.0, 2.0, 1.0)), (x, 1.0, 0.5)) for x in (0.0, 3.0)]
-
     assert look(*row)[361] == pytest.approx(2.5, abs=1e-3)
 
 
@@ -192,9 +179,7 @@ def test_no_ray_slips_through_where_two_boxes_meet():
         wall = [Part(Cuboid((2.0, size, 1.0)), (5.0, y * size, 0.5)) for y in range(-20, 21)]
         seams = np.sort(np.arctan2((np.arange(-19, 19) + 0.5) * size, 4.0))
         group = solids_of(wall)
-
         distances = Scanner(seams, LONGEST * 10).scan((0.0, 0.0, 0.5), LEVEL, [(group, *HERE)])
-
         assert distances == pytest.approx(4 / np.cos(seams), abs=1e-9)
 
 
@@ -203,32 +188,26 @@ def test_the_edge_of_a_box_towards_the_eye_is_seen():
         box = Part(Cuboid((1.0, 1.0, 1.0)), (4.0, 0.0, 0.5), from_euler(0, 0, yaw))
         corner = matrix(from_euler(0, 0, yaw)) @ (-0.5, 0.5, 0.0) + (4.0, 0.0, 0.0)
         angles = np.arctan2(corner[1], corner[0]) + np.array((0.0, 1.0))
-
         distances = Scanner(angles, LONGEST).scan(
             (0.0, 0.0, 0.5), LEVEL, [(solids_of([box]), *HERE)]
         )
-
         assert distances[0] == pytest.approx(math.hypot(*corner[:2]), abs=1e-9)
 
 
 def test_what_is_above_or_below_the_scans_plane_is_not_hit():
     low = Part(Cuboid((0.2, 4.0, 0.4)), (2.0, 0.0, 0.2))
     high = Part(Cylinder(0.5, 0.4), (3.0, 0.0, 0.8))
-
     assert np.isposinf(look(low, high)).all()
 
 
 def test_the_longest_distance_counts():
     walls = [Part(Cuboid((0.2, 0.4, 1.0)), (x, 0.0, 0.5)) for x in (10.05, -10.15)]
-
     distances = look(*walls)
-
     assert distances[360] == pytest.approx(9.95)
     assert np.isposinf(distances[0])
 
 
 def test_the_ground_is_hit_by_rays_that_point_down():
     distances = Scanner(CIRCLE, LONGEST).scan((0.0, 0.0, 0.5), from_euler(0.0, 0.1, 0.0), [])
-
     assert distances[360] == pytest.approx(0.5 / math.sin(0.1))
     assert np.isposinf(distances[0])

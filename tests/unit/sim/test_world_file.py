@@ -213,7 +213,6 @@ MISTAKES |= {
 def test_a_mistake_is_said_with_file_line_and_reason(text, message):
     with pytest.raises(InvalidFile) as caught:
         read_scene(text, "yard.yaml")
-
     assert str(caught.value) == message
 
 
@@ -228,7 +227,6 @@ def test_a_mistake_is_said_with_file_line_and_reason(text, message):
 def test_an_illegal_name_is_said_with_its_rule(text, start):
     with pytest.raises(InvalidFile) as caught:
         read_scene(text, "yard.yaml")
-
     assert str(caught.value).startswith(start)
 
 
@@ -251,7 +249,6 @@ robots:
 - {model: husky, namespace: husky0, pose: [1, 2, 3, 0.1, 0.2, 0.3], cmd_timeout: 0.5}
 - {model: husky, namespace: /husky1, cmd_timeout: none}
 """
-
     assert read_scene(text, "worlds/mars.yaml") == Scene(
         name="mars",
         node="morse",
@@ -272,9 +269,7 @@ def test_a_closed_wall_has_a_piece_for_every_side_and_overlaps_at_the_corners():
 objects:
 - {type: walls, points: [[0, 0], [4, 0], [4, 3]], closed: true, height: 2, thickness: 0.5}
 """
-
     pieces = read_scene(text, "w.yaml").objects
-
     shapes = [part.shape for piece in pieces for part in piece.parts]
     assert shapes == [Cuboid((4.5, 0.5, 2)), Cuboid((3.5, 0.5, 2)), Cuboid((5.5, 0.5, 2))]
     assert [(p.pose.x, p.pose.y, p.pose.z) for p in pieces] == [(2, 0, 1), (4, 1.5, 1), (2, 1.5, 1)]
@@ -293,10 +288,8 @@ def test_the_comment_on_sensors_in_the_husky_world_is_right_when_it_counts():
         line for line in text.splitlines() if line.startswith(("    # sensors:", "    #   - "))
     ]
     topics = next(line for line in text.splitlines() if line.startswith("    # topics:"))
-
     counted = "\n".join(line.replace("    # ", "    ", 1) for line in [*sensors, topics])
     mounts = read_scene(f"{text}\n{counted}\n", source).robots[0].model.sensors
-
     assert len(sensors) == 6
     assert [(mount.kind, mount.topic) for mount in mounts] == [
         ("odometry", "odom"),

@@ -15,7 +15,6 @@ def test_every_packaged_world_is_right_and_described(name):
 
 def test_the_labs_own_name_means_the_husky_world():
     text, source = find_world("lab_0123_world")
-
     assert (text, source) == find_world("husky")
     scene = read_scene(text, source)
     assert scene.node == "morse"
@@ -25,7 +24,6 @@ def test_the_labs_own_name_means_the_husky_world():
 def test_a_file_is_read_from_where_it_is(tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text("node: mine")
-
     assert find_world(str(file)) == ("node: mine", str(file))
 
 
@@ -45,7 +43,6 @@ def test_an_unknown_name_far_from_all_brings_the_list():
 def test_a_file_that_is_not_there_a_folder_and_binary_are_refused(tmp_path):
     binary = tmp_path / "image.yaml"
     binary.write_bytes(b"ab\xff\xfe")
-
     with pytest.raises(InvalidFile, match=r"cannot read .*no\.yaml: No such file"):
         find_world("./no.yaml")
     with pytest.raises(InvalidFile, match=r"cannot read .*: Is a directory"):

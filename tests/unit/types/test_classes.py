@@ -139,7 +139,7 @@ import sys, lcmtools.types.geometry_msgs
 print(sorted({name.split(".")[2] for name in sys.modules if name.startswith("lcmtools.types.")}))
 print("lcm" in sys.modules)
 """
-    assert run_python(program) == "['geometry_msgs', 'std_msgs']\nFalse\n"
+    assert run_python(program) == "['geometry_msgs']\nFalse\n"
 
 
 def test_comment_of_a_field_reaches_the_class():

@@ -22,6 +22,7 @@ from lcmtools.wire.channel_pattern import PatternError, compile_pattern
         (".*a.*a.*", "bab a", "bab"),
         (r"\\QE", "\\QE", "E"),
         ("é*", "éé", "e"),
+        ("A|AB", "AB", "B"),
     ],
 )
 def test_a_pattern_is_read_as_servers_of_lcm_read_it(pattern, matching, other):
@@ -35,6 +36,10 @@ def test_a_pattern_is_read_as_servers_of_lcm_read_it(pattern, matching, other):
     [
         "(a*)*b",
         "(a|aa)*b",
+        "(?:(a)?)+b",
+        "((a)|a)*b",
+        "(?P<n>a+)+b",
+        "(a{,5}){9}",
         "(a?){50}b",
         30 * "a?" + "b",
         "((a{1,9}){1,9}){1,9}b",
@@ -50,7 +55,16 @@ def test_what_could_take_too_long_is_refused(pattern):
 
 @pytest.mark.parametrize(
     ("pattern", "place"),
-    [("(a", 1), ("a)", 2), ("a**", 3), ("b[a", 2), ("(?u)a", ""), ("(" * 9999, "")],
+    [
+        ("(a", 1),
+        ("a)", 2),
+        ("a**", 3),
+        ("b[a", 2),
+        ("(?u)a", ""),
+        ("(" * 9999, ""),
+        ("[a&&b]", ""),
+        (r"\p{L}", 1),
+    ],
 )
 def test_what_is_no_regular_expression_is_refused(pattern, place):
     text = f"is not supported from character {place}" if place else "is not supported"

@@ -233,16 +233,6 @@ def test_any_fragments_keep_the_books_straight(parts):
         assert (messages == 0) == (held == 0)
 
 
-@settings(max_examples=50)
-@given(st.lists(st.binary(max_size=80), max_size=30))
-def test_any_datagrams_are_parsed_and_collected_without_an_exception(data):
-    reassembler = Reassembler()
-    for datagram in data:
-        parsed = wire.parse(b"LC03" + datagram)
-        if isinstance(parsed, Fragment):
-            reassembler.add(_ALICE, parsed)
-
-
 def test_messages_that_stay_incomplete_are_counted_if_their_channel_is_known():
     reassembler = Reassembler()
     first, *others = _cut(_payload(200_000))

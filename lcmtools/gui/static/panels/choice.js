@@ -3,6 +3,7 @@
 import { element, fill, offer } from "../elements.js";
 import { stylesheet } from "./stylesheet.js";
 
+const LATER = 1000; // [ms] until candidates are asked for again
 let count = 0;
 
 /**
@@ -35,10 +36,14 @@ export function choiceField({ label, value = "", placeholder = "", suggest, choo
   input.value = value;
   let asked = 0;
   if (!value && fills) fillWithOnlyOne();
-  /** Choose the only candidate, unless something was entered meanwhile. */
+  /** Choose the only candidate when there is one, unless something was entered meanwhile. */
   async function fillWithOnlyOne() {
     const [only, other] = await suggest("").catch(() => []);
-    if (!only || other || input.value) return;
+    if (other || input.value) return;
+    if (!only) {
+      setTimeout(() => input.isConnected && fillWithOnlyOne(), LATER);
+      return;
+    }
     input.value = only.value;
     choose(only.value);
   }
@@ -57,9 +62,11 @@ export function choiceField({ label, value = "", placeholder = "", suggest, choo
  * @param {string} label
  * @param {unknown} wanted the chosen name at first
  * @param {() => void} choose called when another name is chosen
- * @param {string} [none] the text of the choice without a name
+ * @param {object} [options]
+ * @param {string} [options.none] the text of the choice without a name
+ * @param {boolean} [options.fills] choose the only name at first
  */
-export function nameList(label, wanted, choose, none = `${label} …`) {
+export function nameList(label, wanted, choose, { none = `${label} …`, fills = false } = {}) {
   const select = element("select", { "aria-label": label, onchange: choose });
   /** @type {string | undefined} */
   let offered;
@@ -69,6 +76,11 @@ export function nameList(label, wanted, choose, none = `${label} …`) {
     if (all.join(" ") === offered) return;
     offered = all.join(" ");
     offer(select, all.map((name) => [name, name || none]), chosen);
+    if (!fills || !names.length) return;
+    fills = false; // only at first
+    if (names.length > 1 || chosen) return;
+    select.value = names[0] ?? "";
+    choose();
   }
   offerNames([], typeof wanted === "string" ? wanted : "");
   return { element: select, offer: offerNames };

@@ -14,9 +14,9 @@ export default class FrameTree {
     this.title = "Frames";
     this.about = element("p", { class: "notice", role: "status", hidden: true });
     this.body = element("tbody");
-    const heads = ["Frame", "Age", "Publisher", "Topic", "Fault"].map((text) => element("th", { scope: "col" }, text));
+    const heads = ["Frame", "Age", "Fault", "Publisher", "Topic"].map((text) => element("th", { scope: "col" }, text));
     const table = element("table", { class: "frame-tree", role: "treegrid", "aria-label": "Frames" }, element("thead", {}, element("tr", {}, heads)), this.body);
-    this.element = element("div", {}, this.about, element("div", { class: "table", tabindex: 0 }, table));
+    this.element = element("div", { class: "frames" }, this.about, element("div", { class: "table", tabindex: 0 }, table));
     context.open("frame-tree", {}, (data) => this.show(data));
   }
 
@@ -27,8 +27,8 @@ export default class FrameTree {
     while (this.body.rows.length > lines.length) this.body.deleteRow(-1);
     lines.forEach(([frame, depth, age, publisher, topic, fault], index) => {
       const row = this.body.rows[index] ?? this.body.insertRow();
-      if (!row.cells.length) fill(row, ["mono", "number", "", "mono", "is-bad"].map((name) => element("td", { class: name })));
-      [frame, age === null ? "" : `${ageText(age)} ago`, publisher, topic, fault].forEach((text, column) => {
+      if (!row.cells.length) fill(row, ["mono", "number", "is-bad", "", "mono"].map((name) => element("td", { class: name })));
+      [frame, age === null ? "" : `${ageText(age)} ago`, fault, publisher, topic].forEach((text, column) => {
         const cell = /** @type {HTMLElement} */ (row.cells[column]);
         write(cell, text);
         set(cell, "title", text);

@@ -1,6 +1,6 @@
 // The graph of nodes, programs and topics, with wtf's findings.
 
-import { button, element, fill, iconButton, write } from "../elements.js";
+import { button, element, fill, iconButton, more, write } from "../elements.js";
 import { GraphDrawing } from "./graph/drawing.js";
 import { SIGNS, findingText, isMeant, sentence, sides } from "./graph/words.js";
 import { stylesheet } from "./stylesheet.js";
@@ -26,10 +26,7 @@ const CHOICES = [
 
 /** The graph panel. */
 export default class GraphPanel {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     stylesheet("./graph/graph.css");
     this.context = context;
@@ -74,10 +71,14 @@ export default class GraphPanel {
         "div",
         { class: "tools" },
         this.search,
-        this.choosers,
-        this.outliner,
+        more(
+          "More …",
+          "What is drawn",
+          this.choosers,
+          this.outliner,
+          button("Save as SVG", () => this.drawing.save("graph.svg"), { title: "Save the drawing as SVG" }),
+        ),
         iconButton("larger", "Fit into the panel (0)", () => this.drawing.view.fit()),
-        iconButton("save", "Save the drawing as SVG", () => this.drawing.save("graph.svg")),
         this.counted,
       ),
       element("div", { class: "graph-field" }, this.drawing.element, this.outline, this.about),
@@ -193,10 +194,7 @@ export default class GraphPanel {
     if (place >= 0) this.list.querySelectorAll("button")[place]?.focus();
   }
 
-  /**
-   * @param {Map<string, Finding[]>} marks
-   * @param {Finding} finding
-   */
+  /** @param {Map<string, Finding[]>} marks @param {Finding} finding */
   findingButton(marks, finding) {
     const { severity, text, subjects } = finding;
     const isShown = [...marks.values()].some((found) => found.includes(finding));
@@ -221,10 +219,7 @@ export default class GraphPanel {
     return !pressed.includes(sentence(this.chosen?.text ?? "\0")) && Boolean(pressed || this.chosen);
   }
 
-  /**
-   * @param {Graph} graph
-   * @param {Map<string, Finding[]>} marks
-   */
+  /** @param {Graph} graph @param {Map<string, Finding[]>} marks */
   showAbout(graph, marks) {
     const vertex = graph.vertices.find(({ key }) => key === this.selected);
     const found = vertex ? (marks.get(vertex.key) ?? []) : this.chosen ? [this.chosen] : [];
@@ -242,10 +237,7 @@ export default class GraphPanel {
     );
   }
 
-  /**
-   * @param {Graph} graph
-   * @param {Vertex} vertex
-   */
+  /** @param {Graph} graph @param {Vertex} vertex */
   vertexText(graph, vertex) {
     const [name, ...about] = vertex.tip;
     return element(
@@ -260,10 +252,7 @@ export default class GraphPanel {
     );
   }
 
-  /**
-   * @param {Graph} graph
-   * @param {Map<string, Finding[]>} marks
-   */
+  /** @param {Graph} graph @param {Map<string, Finding[]>} marks */
   showOutline(graph, marks) {
     const members = graph.vertices.filter(({ kind }) => kind === "node" || kind === "program");
     const rows = members.map((vertex) => {

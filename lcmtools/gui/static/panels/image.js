@@ -16,10 +16,7 @@ const LARGE_STEP = 10; // pixels, with Shift
 
 /** The image panel. */
 export default class ImagePanel {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     stylesheet("./image.css");
     this.context = context;
@@ -160,10 +157,7 @@ export default class ImagePanel {
     this.context.changed();
   }
 
-  /**
-   * @param {any} header
-   * @param {ArrayBuffer} [payload]
-   */
+  /** @param {any} header @param {ArrayBuffer} [payload] */
   receive(header, payload) {
     if (header.topic !== this.topic) return this.stream.took(); // sent before the topic was changed
     this.arrivals.push({ count: header.count, time: header.time });
@@ -291,10 +285,7 @@ export default class ImagePanel {
     this.viewport.mark(this.mark, this.picture?.step ?? 1);
   }
 
-  /**
-   * @param {Picture} picture
-   * @param {{x: number, y: number}} mark
-   */
+  /** @param {Picture} picture @param {{x: number, y: number}} mark */
   readingText(picture, { x, y }) {
     const [column, row] = [Math.floor(x / picture.step), Math.floor(y / picture.step)];
     const at = `(${column * picture.step}, ${row * picture.step})`;

@@ -5,7 +5,7 @@
  * @typedef {{element: HTMLElement, title: string, settings?: () => any, close?: () => void,
  *   focus?: () => void}} Panel
  * @typedef {{new (context: Context, settings: any): Panel}} PanelClass
- * @typedef {{title: string, detail: string, isLarge?: boolean, module: () => Promise<{default: PanelClass}>}} Kind
+ * @typedef {{title: string, detail: string, isLarge?: boolean, isWide?: boolean, module: () => Promise<{default: PanelClass}>}} Kind
  */
 
 /** @type {(title: string, detail: string, module: Kind["module"]) => Kind} */
@@ -14,7 +14,7 @@ const kind = (title, detail, module) => ({ title, detail, module });
 /** @type {Record<string, Kind>} */
 export const PANELS = {
   steer: kind("Steer", "drive a robot by joystick, keys or gamepad", () => import("./steer.js")),
-  plot: kind("Plot", "fields of messages over time", () => import("./plot.js")),
+  plot: { ...kind("Plot", "fields of messages over time", () => import("./plot.js")), isWide: true },
   world: { ...kind("World", "robots, sensors and paths in 3D", () => import("./world.js")), isLarge: true },
   frames: kind("Frames", "the tree of coordinate frames", () => import("./frames.js")),
   image: kind("Image", "colour, grey and depth", () => import("./image.js")),

@@ -1,7 +1,7 @@
 // The log of the nodes, filtered by level, node and text; repeated lines are shown once, counted.
 
 import { div, element, iconButton, searchField, selection, set, write } from "../elements.js";
-import { clockText } from "../texts.js";
+import { clockText, counted } from "../texts.js";
 import { nameList } from "./choice.js";
 
 const MOST = 2000; // lines kept
@@ -28,15 +28,17 @@ export default class Log {
     this.leftOut = 0;
     const level = LEVELS.some(([one]) => one === settings.level) ? String(settings.level) : "1";
     this.level = selection("Lowest level", LEVELS.map(([one, name]) => [String(one), name]), level, () => this.changed());
-    this.node = nameList("Node", settings.node, () => this.changed(), "all nodes");
+    this.node = nameList("Node", settings.node, () => this.changed(), { none: "all nodes" });
     this.search = searchField("Search", "Search the lines", settings.search, () => this.changed());
     this.pause = iconButton("pause", "Pause", () => this.setPaused(!this.isPaused), { "aria-pressed": "false" });
     this.count = element("span", { class: "muted" });
+    this.none = element("p", { class: "muted", hidden: true });
     this.body = element("tbody");
     this.scroller = element(
       "div",
       { class: "table", tabindex: 0, role: "log", "aria-label": "Log lines", "aria-live": "off" },
       element("table", { class: "log-lines" }, this.body),
+      this.none,
     );
     this.scroller.addEventListener("scroll", () => {
       const { scrollTop, scrollHeight, clientHeight } = this.scroller;
@@ -56,6 +58,7 @@ export default class Log {
       this.scroller,
     );
     context.open("log", {}, (data) => this.receive(data));
+    this.show();
   }
 
   settings() {
@@ -142,7 +145,9 @@ export default class Log {
       write(/** @type {Element} */ (line.row.cells[4]), line.count > 1 ? `× ${line.count}` : "");
     }
     const out = this.leftOut ? `, ${this.leftOut} left out` : "";
-    write(this.count, `${shown} lines${out}${this.isPaused ? ", paused" : ""}`);
+    write(this.count, `${counted(shown, "line")}${out}${this.isPaused ? ", paused" : ""}`);
+    this.none.hidden = shown > 0;
+    write(this.none, this.lines.length ? "No line fits the filter." : "No node has logged anything yet.");
     if (this.isAtEnd && !this.isPaused) this.scroller.scrollTop = this.scroller.scrollHeight;
   }
 

@@ -87,10 +87,7 @@ export class MessageTree {
     return row;
   }
 
-  /**
-   * @param {HTMLElement} row
-   * @param {Line} line
-   */
+  /** @param {HTMLElement} row @param {Line} line */
   fill(row, [path, label, depth, text, opens, isNumber]) {
     const field = this.fields.get(path.replace(/\[\d*\]/g, ""));
     const [name, value, unit, comment] = row.children;
@@ -109,11 +106,7 @@ export class MessageTree {
     this.offerPlot(row, path, isNumber);
   }
 
-  /**
-   * @param {HTMLElement} row
-   * @param {string} path
-   * @param {boolean} isNumber
-   */
+  /** @param {HTMLElement} row @param {string} path @param {boolean} isNumber */
   offerPlot(row, path, isNumber) {
     const button = row.children[4];
     if (!isNumber || !this.topic) button?.remove();

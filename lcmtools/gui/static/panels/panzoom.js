@@ -83,10 +83,7 @@ export class PanZoom {
     this.changed(true);
   }
 
-  /**
-   * @param {number} right
-   * @param {number} down
-   */
+  /** @param {number} right @param {number} down */
   shift(right, down) {
     this.left += right;
     this.top += down;

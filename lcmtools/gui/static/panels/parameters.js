@@ -27,12 +27,15 @@ export default class Parameters {
       say(this.result, "");
       this.read();
       context.changed();
-    });
+    }, { fills: true });
     this.fields = element("fieldset", { class: "form-fields plain", "aria-label": "Parameters" });
     this.result = element("p", { class: "result", role: "status" });
     const foot = div("form-foot", onlyForCommanders(context, this.fields), this.result);
     this.element = div("publish", div("tools", this.choice.element), this.fields, foot);
-    context.open("offers", {}, (data) => this.choice.offer(data.nodes));
+    context.open("offers", {}, (data) => {
+      this.choice.offer(data.nodes);
+      if (!this.choice.element.value) say(this.result, data.nodes.length ? "Choose a node." : "No node has parameters.");
+    });
     context.onChange(() => this.read());
     const timer = setInterval(() => this.read(), PERIOD);
     context.signal.addEventListener("abort", () => clearInterval(timer));

@@ -111,10 +111,7 @@ export class Picture {
     }
   }
 
-  /**
-   * @param {Uint32Array} out
-   * @param {Scale} scale
-   */
+  /** @param {Uint32Array} out @param {Scale} scale */
   paintValues(out, { near, far, colors }) {
     const values = /** @type {ArrayLike<number>} */ (this.values);
     const isDepth = this.kind === "depth";

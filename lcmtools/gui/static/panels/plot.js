@@ -1,6 +1,6 @@
 // Plots: fields of messages over time.
 
-import { button, div, element, iconButton, offer, selection, set } from "../elements.js";
+import { button, div, element, iconButton, more, offer, selection, set } from "../elements.js";
 import { choiceField } from "./choice.js";
 import { Chart } from "./plot/chart.js";
 import { Curves } from "./plot/curves.js";
@@ -9,6 +9,7 @@ import { KEPT, Span } from "./plot/span.js";
 import { CurveTable } from "./plot/table.js";
 import { lengthText } from "./plot/texts.js";
 import { fileName, saveFile } from "./save.js";
+import { counted } from "../texts.js";
 import { stylesheet } from "./stylesheet.js";
 
 /**
@@ -140,14 +141,18 @@ export default class Plot {
         this.treeButton,
         element("span", { class: "space" }),
         this.pauseButton,
-        button("Follow", () => this.chart.choose(null), { title: "Show the last samples as they come (Home)" }),
-        this.length,
-        this.across,
-        this.clock,
-        AXIS.map(([name, text, title]) => this.limitField(name, text, title)),
-        button("CSV", () => this.saveCsv(`${name()}.csv`), { title: "Save what is shown as CSV" }),
-        button("PNG", () => this.chart.savePicture(`${name()}.png`), { title: "Save what is shown as PNG" }),
-        this.isLog ? null : iconButton("clear", "Forget the samples", () => this.forget()),
+        more(
+          "More …",
+          "The axes, and what is saved",
+          this.length,
+          this.across,
+          this.clock,
+          AXIS.map(([name, text, title]) => this.limitField(name, text, title)),
+          button("Follow", () => this.chart.choose(null), { title: "Show the last samples as they come (Home)" }),
+          button("Save as CSV", () => this.saveCsv(`${name()}.csv`), { title: "Save what is shown as CSV" }),
+          button("Save as PNG", () => this.chart.savePicture(`${name()}.png`), { title: "Save what is shown as PNG" }),
+          this.isLog ? null : button("Forget the samples", () => this.forget()),
+        ),
       ),
       this.tree.element,
       this.chart.element,
@@ -308,7 +313,8 @@ export default class Plot {
   aboutText() {
     const part = this.every > 1 ? `, one of ${this.every} messages` : "";
     const out = this.leftOut ? ` · ${this.leftOut} left out: this page was too slow` : "";
-    return `${this.curves.count} samples${part}${out}`;
+    if (!this.fields.length) return "Nothing is plotted yet: enter a topic's field above, or choose from Fields.";
+    return `${counted(this.curves.count, "sample")}${part}${out}`;
   }
 
   /** @param {string} name */

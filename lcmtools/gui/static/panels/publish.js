@@ -1,7 +1,7 @@
 // A form that publishes a message, once or at a rate.
 
 import { button, div, element, fill, set, write } from "../elements.js";
-import { mistakeText } from "../texts.js";
+import { clockText, mistakeText } from "../texts.js";
 import { MessageForm, onlyForCommanders, say, sentBy } from "./form.js";
 
 let forms = 0;
@@ -79,7 +79,7 @@ export class PublishForm {
   async publish() {
     try {
       await this.context.do("publish", this.message());
-      say(this.result, `published at ${new Date().toLocaleTimeString()}`);
+      say(this.result, `published at ${clockText(Date.now() / 1000)}`);
     } catch (error) {
       say(this.result, mistakeText(error), true);
     }

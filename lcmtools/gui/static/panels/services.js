@@ -20,7 +20,7 @@ export default class Services {
     this.choice = nameList("Service", settings.service, () => {
       this.show();
       context.changed();
-    });
+    }, { fills: true });
     this.about = element("span", { class: "muted" });
     this.form = new MessageForm(context);
     this.deadline = element("input", { class: "rate", "aria-label": "Deadline [s]", inputmode: "decimal", value: "3" });
@@ -55,13 +55,15 @@ export default class Services {
     const type = service?.types[0] ?? "";
     const gone = name ? "no node offers it" : "";
     write(this.about, service ? `${service.types.join(", ") || "unknown type"} of ${service.nodes.join(", ")}` : gone);
-    if (`${name} ${type}` === this.shown || (name && !service)) return; // what was typed stays
-    this.shown = `${name} ${type}`;
+    const otherwise = name ? "Its type is unknown." : this.offered.length ? "Choose a service." : "No node offers a service.";
+    const shown = [name, type, otherwise].join(" ");
+    if (shown === this.shown || (name && !service)) return; // what was typed stays
+    this.shown = shown;
     this.type = type;
     this.hideAnswer();
     say(this.result, "");
     try {
-      await this.form.load(type && `${type}_Request`, name ? "Its type is unknown." : "Choose a service.");
+      await this.form.load(type && `${type}_Request`, otherwise);
     } catch (error) {
       say(this.result, mistakeText(error), true);
     }

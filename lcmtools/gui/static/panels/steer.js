@@ -22,10 +22,7 @@ const PROMISE =
 
 /** The steering panel. */
 export default class Steer {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     stylesheet("./steer/steer.css");
     this.context = context;
@@ -150,9 +147,9 @@ export default class Steer {
         element(
           "div",
           { class: "steer-side" },
+          this.stopButton,
           element("div", { class: "reading" }, element("span", {}, "Forward"), this.speed, element("small", {}, "m/s")),
           element("div", { class: "reading" }, element("span", {}, "Turn"), this.rate, element("small", {}, "rad/s")),
-          this.stopButton,
           element(
             "div",
             { class: "limits" },
@@ -278,10 +275,7 @@ export default class Steer {
     if (share || this.held.gamepad) this.hold("gamepad", share);
   }
 
-  /**
-   * @param {"pad" | "forward" | "turn" | "gamepad"} name
-   * @param {Share | null} share
-   */
+  /** @param {"pad" | "forward" | "turn" | "gamepad"} name @param {Share | null} share */
   hold(name, share) {
     if (!share && !this.held[name]) return;
     this.held[name] = share;

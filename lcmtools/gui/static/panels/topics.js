@@ -1,7 +1,7 @@
 // The table of all topics, sorted and filtered, with the chosen topic's message or a form to publish.
 
 import { button, div, element, fill, iconButton, searchField, set, write } from "../elements.js";
-import { ageText, lossText, rateText, sizeText } from "../texts.js";
+import { ageText, counted, jitterText, lossText, rateText, sizeText } from "../texts.js";
 import { MessageTree } from "./message.js";
 import { PublishForm } from "./publish.js";
 
@@ -9,7 +9,7 @@ import { PublishForm } from "./publish.js";
  * @typedef {{channel: string, types: string[], announced: boolean, messages: number,
  *   rate: number | null, jitter: number | null, bandwidth: number | null,
  *   senders_lost: number | null, senders_loss: number | null, senders: string[],
- *   listeners: string[], age: number | null, silent: boolean}} Row
+ *   listeners: string[] | null, age: number | null, silent: boolean}} Row null is not known
  * @typedef {{name: string, title: string, isNumber?: boolean, text: (row: Row) => string,
  *   key: (row: Row) => string | number | null}} Column
  */
@@ -23,7 +23,7 @@ const COLUMNS = [
   numbers("loss", "Loss", (row) => row.senders_loss, lossText),
   numbers("age", "Last", (row) => row.age, (age) => (age < 1 ? "now" : `${ageText(age)} ago`)),
   { name: "senders", title: "Senders", text: (row) => row.senders.join(", ") || "–", key: (row) => row.senders[0] ?? null },
-  { name: "listeners", title: "Listeners", text: (row) => row.listeners.join(", ") || "–", key: (row) => row.listeners[0] ?? null },
+  { name: "listeners", title: "Listeners", text: (row) => names(row.listeners, "–"), key: (row) => row.listeners?.[0] ?? null },
 ];
 
 /** The topics panel. */
@@ -36,6 +36,8 @@ export default class Topics {
     this.isReversed = settings.reverse === true;
     /** @type {Row[]} */
     this.rows = [];
+    /** Programs that receive without saying what. @type {string[]} */
+    this.programs = [];
     /** @type {Map<string, HTMLTableRowElement>} */
     this.lines = new Map();
     this.filter = searchField("Filter", "Filter topics", settings.filter, () => this.changed());
@@ -60,6 +62,7 @@ export default class Topics {
     this.showDetail();
     context.open("topics", {}, (data) => {
       this.rows = data.rows;
+      this.programs = data.programs;
       this.show();
       this.showFacts();
     });
@@ -123,13 +126,14 @@ export default class Topics {
       this.part.type.value = row.types[0]; // the form was opened before the topics were known
       this.part.loadType();
     }
-    const jitter = known(row.jitter, (seconds) => `${(seconds * 1000).toFixed(1)} ms`);
+    const jitter = known(row, row.jitter, jitterText);
     const others = row.types.length > 1 ? `; could be ${row.types.slice(1).join(", ")}` : "";
-    const lost = row.senders_lost ? `; ${row.senders_lost} messages of its senders lost` : "";
+    const lost = row.senders_lost ? `; ${counted(row.senders_lost, "message")} of its senders lost` : "";
     write(
       this.facts,
-      `${row.messages} messages, ${known(row.rate, rateText)}, jitter ${jitter}${lost}${others}\n` +
-        `from ${row.senders.join(", ") || "nobody"} to ${row.listeners.join(", ") || "no node"}`,
+      `${counted(row.messages, "message")}, ${known(row, row.rate, rateText)}, jitter ${jitter}${lost}${others}\n` +
+        `from ${names(row.senders, "nobody")} to ${names(row.listeners, "no node")}` +
+        (this.programs.length ? `; listening, to what is not known: ${this.programs.join(", ")}` : ""),
     );
   }
 
@@ -180,7 +184,7 @@ export default class Topics {
   show() {
     const wanted = this.filter.value.toLowerCase();
     const found = this.rows.filter((row) =>
-      [row.channel, ...row.types, ...row.senders, ...row.listeners].some((text) => text.toLowerCase().includes(wanted)),
+      [row.channel, ...row.types, ...row.senders, ...(row.listeners ?? [])].some((text) => text.toLowerCase().includes(wanted)),
     );
     found.sort((a, b) => this.compare(a, b));
     const names = new Set(found.map((row) => row.channel));
@@ -195,7 +199,7 @@ export default class Topics {
     });
     const stop = this.body.querySelector("[tabindex='0']") ?? this.body.firstElementChild;
     if (stop) set(stop, "tabindex", 0);
-    const all = `${this.rows.length} topics`;
+    const all = counted(this.rows.length, "topic");
     write(this.count, found.length === this.rows.length ? all : `${found.length} of ${all}`);
   }
 
@@ -250,10 +254,15 @@ function typeText({ types, announced }) {
  * @returns {Column}
  */
 function numbers(name, title, key, text) {
-  return { name, title, isNumber: true, key, text: (row) => known(key(row), text) };
+  return { name, title, isNumber: true, key, text: (row) => known(row, key(row), text) };
 }
 
-/** @param {number | null} value @param {(value: number) => string} text */
-function known(value, text) {
-  return value === null ? "–" : text(value);
+/** @param {Row} row @param {number | null} value @param {(value: number) => string} text */
+function known({ messages }, value, text) {
+  return value !== null ? text(value) : messages > 1 ? "not known" : "–";
+}
+
+/** @param {string[] | null} all @param {string} none */
+function names(all, none) {
+  return all ? all.join(", ") || none : "not known";
 }

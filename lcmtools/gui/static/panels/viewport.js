@@ -106,10 +106,7 @@ export class Viewport {
     if (this.marked) this.paintMark(context, this.marked);
   }
 
-  /**
-   * @param {CanvasRenderingContext2D} context
-   * @param {{x: number, y: number}} mark
-   */
+  /** @param {CanvasRenderingContext2D} context @param {{x: number, y: number}} mark */
   paintMark(context, { x, y }) {
     const { scale, left, top } = this.view;
     const half = Math.max(4 * devicePixelRatio, (this.markSize * scale) / 2 + 1);

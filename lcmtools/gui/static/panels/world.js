@@ -1,11 +1,11 @@
 // The world in 3D: robots, sensor data, and poses to send.
 
-import { button, element, iconButton, offer, selection, set, write } from "../elements.js";
+import { button, element, iconButton, more, offer, selection, set, write } from "../elements.js";
 import { ageText, mistakeText } from "../texts.js";
 import { hexColor, isDark, onTheme } from "../theme.js";
 import { stylesheet } from "./stylesheet.js";
 import { Axes } from "./world/axes.js";
-import { Bodies } from "./world/bodies.js";
+import { Bodies, bodyText } from "./world/bodies.js";
 import { Camera } from "./world/camera.js";
 import { Display } from "./world/displays.js";
 import { KINDS } from "./world/drawings.js";
@@ -34,10 +34,7 @@ const TOLD = 200; // [ms] between two updates of the poses in the list
 
 /** The world panel. */
 export default class World {
-  /**
-   * @param {import("../context.js").Context} context
-   * @param {any} settings
-   */
+  /** @param {import("../context.js").Context} context @param {any} settings */
   constructor(context, settings) {
     stylesheet("world.css");
     this.context = context;
@@ -117,19 +114,15 @@ export default class World {
       "div",
       { class: "tools world-tools" },
       element("div", { class: "world-choice", role: "group", "aria-label": "Pointer" }, this.toolButtons, this.goal),
-      this.followChoice,
-      button("Top", () => this.camera?.lookFromAbove(), { title: "Look from above" }),
-      this.axesButton,
-      element(
-        "details",
-        { class: "world-more" },
-        element("summary", { title: "The fixed frame, and the initial view" }, "View …"),
-        element(
-          "div",
-          {},
-          element("label", {}, "Fixed frame ", this.fixedChoice),
-          button("Reset view", () => this.camera?.reset(), { title: "Back to the initial view" }),
-        ),
+      more(
+        "More …",
+        "The camera, the frames, and simulated time",
+        element("label", {}, "Follow ", this.followChoice),
+        element("label", {}, "Fixed frame ", this.fixedChoice),
+        button("Top", () => this.camera?.lookFromAbove(), { title: "Look from above" }),
+        this.axesButton,
+        button("Reset view", () => this.camera?.reset(), { title: "Back to the initial view" }),
+        this.simulator.others,
       ),
       this.simulator.element,
       element("span", { class: "space" }),
@@ -199,10 +192,7 @@ export default class World {
     return this.kept.colors[topic] ?? hexColor(`--series-${(Math.max(0, colored.indexOf(topic)) % SERIES) + 1}`);
   }
 
-  /**
-   * @param {Topic} topic
-   * @param {boolean} isShown
-   */
+  /** @param {Topic} topic @param {boolean} isShown */
   show(topic, isShown) {
     this.kept.shown[topic.topic] = isShown;
     if (isShown) this.open(topic);
@@ -210,10 +200,7 @@ export default class World {
     this.changed();
   }
 
-  /**
-   * @param {{topic: string}} topic
-   * @param {string} chosen
-   */
+  /** @param {{topic: string}} topic @param {string} chosen */
   paint({ topic }, chosen) {
     this.kept.colors[topic] = chosen;
     this.displays.get(topic)?.paint(chosen);
@@ -242,49 +229,35 @@ export default class World {
     if (!found) return;
     found.close();
     this.displays.delete(topic);
-    this.frames.drop(topic);
+    this.frames.replace(topic, { frames: [], old: [] }, [], 0);
     this.sidebar.setStatus(topic, "", false);
   }
 
-  /**
-   * @param {Display} display
-   * @param {any} sent
-   * @param {ArrayBuffer} [payload]
-   */
+  /** @param {Display} display @param {any} sent @param {ArrayBuffer} [payload] */
   receive(display, sent, payload) {
     const now = performance.now();
     const data = withNumbers(sent);
     let hasChanged = false;
-    if (data.kind === "frames") hasChanged = this.addFrames(display.topic, data, payload, now);
-    else {
+    if (data.kind === "frames") {
+      const before = this.frames.frames.size;
+      hasChanged = this.frames.replace(display.topic, data, Array.from(new Float32Array(payload ?? [])), now);
+      this.simulator.updateTime(display.topic, data.stamp);
+      if (this.frames.frames.size !== before) this.offerFrames();
+    } else {
       if (data.kind === "odometry" && data.child && hasPlace(data)) {
         this.frames.add(display.topic, data.frame, data.child, data.pose, now, true);
       }
+      // a simulator also paints the paths that it publishes
+      if (data.kind === "markers") data.markers = data.markers.filter((/** @type {any} */ { ns }) => !this.isPath(ns));
       hasChanged = display.receive(data, payload);
       display.leaveTrail(this.frames, this.bodies.fixed, now);
     }
     if (hasChanged) this.view?.invalidate(SMOOTH);
   }
 
-  /**
-   * Add frames; return true if one of them moves or has become old.
-   * @param {string} topic
-   * @param {{frames: [string, string][], old: string[], stamp: number}} data
-   * @param {ArrayBuffer | undefined} payload
-   * @param {number} now
-   */
-  addFrames(topic, data, payload, now) {
-    const numbers = Array.from(new Float32Array(payload ?? []));
-    const before = this.frames.frames.size;
-    let hasMoved = false;
-    data.frames.forEach(([parent, child], index) => {
-      const pose = /** @type {Pose} */ (numbers.slice(7 * index, 7 * index + 7));
-      hasMoved = this.frames.add(topic, parent, child, pose, now) || hasMoved;
-    });
-    this.frames.keep(topic, data.frames.map(([, child]) => child));
-    this.simulator.updateTime(topic, data.stamp);
-    if (this.frames.frames.size !== before) this.offerFrames();
-    return this.frames.setOld(topic, data.old) || hasMoved;
+  /** @param {string} name */
+  isPath(name) {
+    return this.topics.some(({ topic, kind }) => topic === name && kind === "path");
   }
 
   offerFrames() {
@@ -295,7 +268,7 @@ export default class World {
     const shown = new Set([...names.filter((name) => !name.startsWith("ground_truth/")), fixed]);
     const bodies = new Set(["", ...this.bodies.list().map(({ name }) => name), followed]);
     offer(this.fixedChoice, [...shown].map((name) => [name, name]), fixed);
-    offer(this.followChoice, [...bodies].map((name) => [name, name || "follow nothing"]), followed);
+    offer(this.followChoice, [...bodies].map((name) => [name, bodyText(name) || "nothing"]), followed);
   }
 
   /** Place all displays at their poses. @param {number} now */

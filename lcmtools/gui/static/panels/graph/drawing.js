@@ -76,10 +76,7 @@ export class GraphDrawing {
     this.view.close();
   }
 
-  /**
-   * @param {Graph} graph
-   * @param {Look} look
-   */
+  /** @param {Graph} graph @param {Look} look */
   show(graph, look) {
     const isResized = String(graph.size) !== String(this.graph?.size);
     this.graph = graph;

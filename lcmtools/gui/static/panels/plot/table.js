@@ -73,11 +73,7 @@ export class CurveTable {
     return this.row(series.text, toggle, latest, atCursor);
   }
 
-  /**
-   * @param {string} text of the field
-   * @param {HTMLElement} head
-   * @param {...HTMLElement} cells
-   */
+  /** @param {string} text of the field @param {HTMLElement} head @param {...HTMLElement} cells */
   row(text, head, ...cells) {
     const remove = iconButton("close", `Remove ${text}`, () => this.owner.remove(text));
     return element("tr", {}, element("th", { scope: "row" }, head), cells, element("td", {}, remove));

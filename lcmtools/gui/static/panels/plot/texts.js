@@ -2,10 +2,7 @@
 
 import { clockText } from "../../texts.js";
 
-/**
- * @param {number} tick
- * @param {number} step between two ticks
- */
+/** @param {number} tick @param {number} step between two ticks */
 export function tickText(tick, step) {
   if (Math.abs(tick) < step / 1000) return "0";
   const isPlain = step >= 1e-4 && Math.abs(tick) < 1e6;

@@ -69,10 +69,7 @@ export function limitField(label, about, unit, value, largest, change) {
   return element("label", {}, element("span", {}, label), input, element("small", {}, unit));
 }
 
-/**
- * @param {number} part
- * @param {(part: number) => void} change
- */
+/** @param {number} part @param {(part: number) => void} change */
 export function partField(part, change) {
   const percent = (/** @type {number} */ value) => `${Math.round(value * 100)} %`;
   const shown = element("small", {}, percent(part));

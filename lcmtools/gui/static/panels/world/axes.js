@@ -61,10 +61,7 @@ export class Axes {
   }
 }
 
-/**
- * @param {number} axis 0 for x
- * @param {number} count
- */
+/** @param {number} axis 0 for x @param {number} count */
 function bars(axis, count) {
   const sizes = [0, 1, 2].map((one) => (one === axis ? LENGTH : WIDTH));
   const shape = new THREE.BoxGeometry(...sizes).translate(...sizes.map((size, one) => (one === axis ? size / 2 : 0)));

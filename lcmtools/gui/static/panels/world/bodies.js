@@ -8,6 +8,9 @@ import { hasPlace } from "./numbers.js";
  * @typedef {{name: string, frame: string, at?: Pose}} Body with its frame, or its pose in one
  */
 
+/** Return the name of a body for people: a robot's may be the root, "/". @param {string} name */
+export const bodyText = (name) => (name === "/" ? "the robot" : name);
+
 /** The bodies that the displays show. */
 export class Bodies {
   /**

@@ -1,5 +1,7 @@
 // The camera of the world: its target, the body that it follows, and its keys.
 
+import { heading } from "./frames.js";
+
 const KEYS = /** @type {Record<string, [number, number, number]>} */ ({
   ArrowLeft: [-0.1, 0, 1],
   ArrowRight: [0.1, 0, 1],
@@ -64,7 +66,7 @@ export class Camera {
     const now = performance.now();
     const pose = this.bodies.poseNamed(this.name, now) ?? this.bodies.poseOf(this.bodies.list()[0], now);
     this.hasLooked = true;
-    this.view.lookFromBehind(pose ? [pose[0], pose[1], 0.3] : [0, 0, 0.3]);
+    this.view.lookFromBehind(pose ? [pose[0], pose[1], 0.3] : [0, 0, 0.3], pose ? heading(pose) : 0);
     this.keep();
   }
 

@@ -1,6 +1,7 @@
 // The displays of the world: one for each topic, by the type of its messages.
 
 import * as THREE from "../../vendor/three/three.js";
+import { counted } from "../../texts.js";
 import { KINDS, LIFT } from "./drawings.js";
 import { dispose, matrixOf, setOld } from "./geometry.js";
 import { hasPlace } from "./numbers.js";
@@ -14,10 +15,7 @@ import { Trail } from "./trail.js";
 
 /** The display of a topic. Its group is placed in its frame whenever the view is drawn. */
 export class Display {
-  /**
-   * @param {string} topic
-   * @param {string} type
-   */
+  /** @param {string} topic @param {string} type */
   constructor(topic, type) {
     this.topic = topic;
     this.type = type;
@@ -112,7 +110,7 @@ export class Display {
       [all.filter(({ color, colors }) => !(color[3] > 0) && !colors.length), "their color.a is 0"],
     ];
     const undrawn = parts.flatMap(([some = [], why]) => (some.length ? [`${some.length} not drawn: ${why}`] : []));
-    this.status = [`${markers.length} markers`, ...undrawn].join(", ");
+    this.status = [counted(markers.length, "marker"), ...undrawn].join(", ");
   }
 
   /** @param {string} color */

@@ -123,10 +123,7 @@ export function bandMaterial(color, opacity) {
   return new THREE.MeshBasicMaterial({ ...look, polygonOffset: true, polygonOffsetFactor: -3, polygonOffsetUnits: -12 });
 }
 
-/**
- * @param {[number, number, number][]} places
- * @param {string} color
- */
+/** @param {[number, number, number][]} places @param {string} color */
 function band(places, color) {
   const found = new THREE.Mesh(ribbonOf([places], 0.025), bandMaterial(color, 0.9));
   return Object.assign(found, { frustumCulled: false, renderOrder: 2 });
@@ -204,10 +201,7 @@ function reader(view, field, little) {
   return type === DOUBLE ? (start) => view.getFloat64(start + offset, little) : null;
 }
 
-/**
- * @param {any} data
- * @param {Int8Array} cells
- */
+/** @param {any} data @param {Int8Array} cells */
 function map(data, cells) {
   const step = Math.max(1, Math.ceil(Math.max(data.width, data.height) / MOST_CELLS));
   const canvas = document.createElement("canvas");

@@ -58,16 +58,25 @@ export class Frames {
   }
 
   /**
-   * Set which frames of a topic are old; return true if these are others than before.
-   * @param {string} topic
-   * @param {string[]} old
+   * Take all frames that a topic has now; return true if one of them moves or has become old.
+   * @param {string} source the topic
+   * @param {{frames: [parent: string, child: string][], old: string[]}} data
+   * @param {number[]} poses one after the other
+   * @param {number} now [ms]
    */
-  setOld(topic, old) {
+  replace(source, { frames, old }, poses, now) {
     let hasChanged = false;
-    for (const frame of this.frames.values()) {
-      if (frame.source !== topic) continue;
-      hasChanged ||= Boolean(frame.isOld) !== old.includes(frame.name);
-      frame.isOld = old.includes(frame.name);
+    frames.forEach(([parent, child], index) => {
+      const pose = /** @type {Pose} */ (poses.slice(7 * index, 7 * index + 7));
+      hasChanged = this.add(source, parent, child, pose, now) || hasChanged;
+    });
+    const names = new Set(frames.map(([, child]) => child));
+    for (const [name, frame] of this.frames) {
+      if (frame.source !== source) continue;
+      const isOld = old.includes(name);
+      hasChanged ||= Boolean(frame.isOld) !== isOld;
+      frame.isOld = isOld;
+      if (!names.has(name)) this.frames.delete(name);
     }
     return hasChanged;
   }
@@ -80,22 +89,6 @@ export class Frames {
       found.push(frame);
     }
     return found;
-  }
-
-  /** Remove the frames of a topic. @param {string} source */
-  drop(source) {
-    for (const [name, frame] of this.frames) if (frame.source === source) this.frames.delete(name);
-  }
-
-  /**
-   * Drop the frames of a topic that it no longer has.
-   * @param {string} source
-   * @param {string[]} names
-   */
-  keep(source, names) {
-    for (const [name, frame] of this.frames) {
-      if (frame.source === source && !names.includes(name)) this.frames.delete(name);
-    }
   }
 
   /**
@@ -142,11 +135,7 @@ export class Frames {
     return product(inverse(this.inRoot(fixed, now)), this.inRoot(name, now));
   }
 
-  /**
-   * @param {string} name
-   * @param {number} now
-   * @returns {Pose}
-   */
+  /** @param {string} name @param {number} now @returns {Pose} */
   inRoot(name, now) {
     return this.chain(name).reduce(
       (pose, frame) => product(this.held.get(frame.name) ?? between(frame.samples, now - DELAY), pose),
@@ -196,10 +185,7 @@ export function product(outer, inner) {
   ];
 }
 
-/**
- * @param {Pose} pose
- * @returns {Pose}
- */
+/** @param {Pose} pose @returns {Pose} */
 function inverse([x, y, z, qx, qy, qz, qw]) {
   /** @type {Pose} */
   const turn = [0, 0, 0, -qx, -qy, -qz, qw];

@@ -61,10 +61,7 @@ function edges(strip, index, half) {
   ];
 }
 
-/**
- * @param {number[] | undefined} a
- * @param {number[] | undefined} b
- */
+/** @param {number[] | undefined} a @param {number[] | undefined} b */
 function difference(a = [0, 0, 0], b = [0, 0, 0]) {
   return a.map((value, index) => value - /** @type {number} */ (b[index]));
 }

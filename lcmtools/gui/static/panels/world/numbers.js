@@ -20,20 +20,14 @@ export function hasPlace(data) {
   return PLACES.every((name) => !(name in data) || [data[name]].flat().every((value) => Number.isFinite(value) && Math.abs(value) < LARGEST));
 }
 
-/**
- * @param {any} data
- * @param {string[]} names
- */
+/** @param {any} data @param {string[]} names */
 function converted(data, names) {
   const found = { ...data };
   for (const name of names) if (name in found) found[name] = numeric(found[name]);
   return found;
 }
 
-/**
- * @param {any} value
- * @returns {any}
- */
+/** @param {any} value @returns {any} */
 function numeric(value) {
   return Array.isArray(value) ? value.map(numeric) : (LACKING[value] ?? value);
 }

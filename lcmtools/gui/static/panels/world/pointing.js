@@ -14,10 +14,7 @@ const TURN = 0.01; // [rad] for each pixel with Shift
 
 /** Applies the chosen tool to the pointer's events. */
 export class Pointing {
-  /**
-   * @param {import("../world.js").default} world
-   * @param {import("./view.js").View} view
-   */
+  /** @param {import("../world.js").default} world @param {import("./view.js").View} view */
   constructor(world, view) {
     this.world = world;
     this.view = view;
@@ -133,12 +130,7 @@ export class Pointing {
   }
 }
 
-/**
- * @param {number} x
- * @param {number} y
- * @param {number} yaw
- * @returns {Pose}
- */
+/** @param {number} x @param {number} y @param {number} yaw @returns {Pose} */
 function flat(x, y, yaw) {
   return [x, y, 0, 0, 0, Math.sin(yaw / 2), Math.cos(yaw / 2)];
 }

@@ -98,10 +98,7 @@ function solidOf(markers, { shadow = false, opacity = 1, offset = 0 }) {
   return Object.assign(mesh, { castShadow: shadow, receiveShadow: true });
 }
 
-/**
- * @param {Marker} marker
- * @returns {{shape: any, matrix: any, color: number[]}[]}
- */
+/** @param {Marker} marker @returns {{shape: any, matrix: any, color: number[]}[]} */
 function partsOf(marker) {
   const { type, scale, points } = marker;
   const own = matrixOf(marker.pose);
@@ -120,10 +117,7 @@ function partsOf(marker) {
   return [{ shape, matrix: own, color }];
 }
 
-/**
- * @param {Marker} marker
- * @param {number} index
- */
+/** @param {Marker} marker @param {number} index */
 function colorAt({ color, colors }, index) {
   return linear(/** @type {any} */ (colors.length > 4 * index + 3 ? colors.slice(4 * index, 4 * index + 4) : color));
 }
@@ -133,10 +127,7 @@ function linear([r, g, b]) {
   return [r, g, b].map((value) => (value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4));
 }
 
-/**
- * @param {number} type
- * @param {number[]} scale
- */
+/** @param {number} type @param {number[]} scale */
 function solid(type, scale) {
   const key = `${light.isPlain} ${type} ${scale}`;
   let shape = known.get(key);
@@ -149,10 +140,7 @@ function solid(type, scale) {
   return shape;
 }
 
-/**
- * @param {number} type
- * @param {[number, number, number]} scale
- */
+/** @param {number} type @param {[number, number, number]} scale */
 function newSolid(type, [x, y, z]) {
   const { isPlain } = light;
   const least = Math.min(x, y, z);

@@ -1,6 +1,7 @@
 // The sidebar of the world: displays with checkboxes and colours, and the robots' poses.
 
 import { button, element, fill, set, write } from "../../elements.js";
+import { bodyText } from "./bodies.js";
 import { KINDS } from "./drawings.js";
 import { heading } from "./frames.js";
 
@@ -77,11 +78,7 @@ export class Sidebar {
     return row;
   }
 
-  /**
-   * @param {string} topic
-   * @param {string} text the problem or the type
-   * @param {boolean} isBad
-   */
+  /** @param {string} topic @param {string} text the problem or the type @param {boolean} isBad */
   setStatus(topic, text, isBad) {
     const found = this.rows.get(topic);
     if (!found) return;
@@ -101,8 +98,8 @@ export class Sidebar {
       }
       const [look, text] = /** @type {[HTMLElement, HTMLElement]} */ ([...line.children]);
       look.dataset["name"] = name;
-      set(look, "title", `Look at ${name}`);
-      write(look, name);
+      set(look, "title", `Look at ${bodyText(name)}`);
+      write(look, bodyText(name));
       const [x, y, yaw] = [pose[0], pose[1], (heading(pose) * 180) / Math.PI];
       write(text, `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m, ${yaw.toFixed(0)}°`);
       line.setAttribute("data-pose", `${name} ${x.toFixed(4)} ${y.toFixed(4)} ${heading(pose).toFixed(4)}`);

@@ -9,10 +9,7 @@ const RATES = ["0.1", "0.25", "0.5", "1", "2", "4", "10", "0"].map(
 
 /** The toolbar's controls of simulators. */
 export class Simulator {
-  /**
-   * @param {import("../../context.js").Context} context
-   * @param {(text: string) => void} say
-   */
+  /** @param {import("../../context.js").Context} context @param {(text: string) => void} say */
   constructor(context, say) {
     this.context = context;
     this.say = say;
@@ -28,7 +25,8 @@ export class Simulator {
     this.rate = selection("Rate of simulated time", RATES, "1", (rate) => this.call("set_rate", { rate: Number(rate) }));
     this.clock = element("output", { class: "number", "aria-label": "Simulated time" });
     const about = { class: "world-simulator", role: "group", "aria-label": "Simulator" };
-    this.element = element("div", about, this.pause, this.step, this.reset, this.rate, this.clock);
+    this.element = element("div", about, this.pause, this.clock);
+    this.others = [element("label", {}, "Rate ", this.rate), this.step, this.reset];
     context.onChange(() => this.show());
   }
 
@@ -57,7 +55,7 @@ export class Simulator {
 
   show() {
     const may = this.context.canCommand;
-    this.element.hidden = !this.nodes.length;
+    for (const one of [this.element, ...this.others]) one.hidden = !this.nodes.length;
     for (const name of ["aria-label", "title"]) set(this.pause, name, this.isPaused ? "Resume" : "Pause");
     fill(this.pause, icon(this.isPaused ? "play" : "pause"));
     this.pause.disabled = this.reset.disabled = this.rate.disabled = !may;

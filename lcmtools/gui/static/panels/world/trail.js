@@ -12,10 +12,7 @@ const NUMBERS = 18; // of a step's two triangles
 
 /** A trail in one fixed frame. */
 export class Trail {
-  /**
-   * @param {string} fixed
-   * @param {string} color
-   */
+  /** @param {string} fixed @param {string} color */
   constructor(fixed, color) {
     this.fixed = fixed;
     /** The last places. @type {[number, number, number][]} */

@@ -183,10 +183,10 @@ export class View {
     this.invalidate();
   }
 
-  /** @param {number[]} target */
-  lookFromBehind(target) {
+  /** @param {number[]} target @param {number} yaw of what is looked at [rad] */
+  lookFromBehind(target, yaw) {
     const at = new THREE.Vector3().fromArray(target);
-    this.lookAt(START.clone().add(at).toArray(), target);
+    this.lookAt(START.clone().applyAxisAngle(new THREE.Vector3(0, 0, 1), yaw).add(at).toArray(), target);
   }
 
   lookFromAbove() {

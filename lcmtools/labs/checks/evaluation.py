@@ -1,21 +1,29 @@
-"""Statistics of an evaluator: the right formulas, and common mistakes in their place. Pure.
+"""A node that evaluates a controller: its rows, the right formulas and common mistakes. Pure.
 
 An error is the length of the difference of two velocities; the average is the root of the mean of
-the squares of all errors.
+the squares of all errors. A test bench knows the velocities that each message is of; in a log they
+are among the last ones that were recorded before it.
 """
 
 import math
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
 
 from lcmtools.labs.checks.diagnosis import explain_number
+from lcmtools.labs.checks.results import CheckResult
+from lcmtools.types.air_lab0 import ControllerEvaluationStat
 
-OF_ERRORS = "the root of the mean square of "
+_OF_ERRORS = "the root of the mean square of "
 """The beginning of the text of an average that is right, but of wrong errors."""
 Velocity = tuple[float, float]
 """linear.x [m/s], angular.z [rad/s]."""
 
 _REST = (0.0, 0.0)
+_MOST = 0.95  # of the samples: those around a change of the desired velocity may be of either
+_REMEMBERS = "average_error remembers"
+_LOST = ", unless the recorder lost messages (see lcmtools bag info)"
 _CLOSE, _NEAR = 0.005, 0.001  # relative and absolute, of two averages that are the same
 _LONGEST = 100  # samples that are compared with each formula
 _ERROR = "the root of (v - desired v)^2 + (w - desired w)^2"
@@ -108,24 +116,22 @@ def error_cause(measured: float, desired: Velocity, actual: Velocity = _REST) ->
     return explain_number(measured, {**formulas, **others})
 
 
-def error_hint(cause: str) -> str:
+def _error_hint(cause: str) -> str:
     """Return a hint: the formula of the error, and the one used in its place if known."""
     return f"it is {cause}, and should be {_ERROR}" if cause else _ERROR
 
 
-def average_hint(cause: str) -> str:
+def _average_hint(cause: str) -> str:
     """Return a hint: the formula of the average, and the one used in its place if known."""
     return f"it is {cause}, and should be {_AVERAGE}" if cause else f"it should be {_AVERAGE}"
 
 
-def wrong_average(averages: Sequence[float], differences: Sequence[Velocity]) -> int | None:
-    """Return the index of the first average that is not the root mean square; None if all are."""
-    errors = [math.hypot(*difference) for difference in differences]
-    agree = (
-        _are_same(average, root_mean_square(errors[: index + 1]))
-        for index, average in enumerate(averages)
-    )
-    return next((index for index, is_right in enumerate(agree) if not is_right), None)
+def wrong_averages(averages: Sequence[float], differences: Sequence[Velocity]) -> list[int]:
+    """Return the indices of the averages that are not the root mean square."""
+    sums = accumulate(v * v + w * w for v, w in differences)
+    wanted = (math.sqrt(total / count) for count, total in enumerate(sums, 1))
+    agree = map(_are_same, averages, wanted)
+    return [index for index, is_right in enumerate(agree) if not is_right]
 
 
 def average_cause(averages: Sequence[float], differences: Sequence[Velocity]) -> str:
@@ -134,7 +140,7 @@ def average_cause(averages: Sequence[float], differences: Sequence[Velocity]) ->
     ``differences`` are those of the desired and the measured velocity, one for each average.
     """
     averages = averages[:_LONGEST]
-    for text, errors, statistic in _wrong_averages(differences[:_LONGEST]):
+    for text, errors, statistic in _mistakes(differences[:_LONGEST]):
         expected = [statistic(errors[: index + 1]) for index in range(len(averages))]
         # the first one is often a special case, as there is no division by 0
         if all(map(_are_same, averages[1:], expected[1:])):
@@ -142,7 +148,7 @@ def average_cause(averages: Sequence[float], differences: Sequence[Velocity]) ->
     return ""
 
 
-def _wrong_averages(
+def _mistakes(
     differences: Sequence[Velocity],
 ) -> Iterator[tuple[str, Sequence[float], Callable[[Sequence[float]], float]]]:
     """Yield mistakes: in the average, in the errors, and in both."""
@@ -152,10 +158,102 @@ def _wrong_averages(
     for text, statistic in _AVERAGES.items():
         yield text, right, statistic
     for text, errors in wrong.items():
-        yield f"{OF_ERRORS}{text}", errors, root_mean_square
+        yield f"{_OF_ERRORS}{text}", errors, root_mean_square
     for text, errors in wrong.items():
         yield f"the mean of {text}", errors, statistics.fmean
 
 
 def _are_same(a: float, b: float) -> bool:
     return math.isclose(a, b, rel_tol=_CLOSE, abs_tol=_NEAR)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A message of an evaluator, with the desired and measured velocities that it may be of."""
+
+    stat: ControllerEvaluationStat
+    inputs: Sequence[tuple[Velocity, Velocity]]  # the likeliest last
+
+    @property
+    def difference(self) -> Velocity:
+        """Desired minus measured velocity, of the inputs that fit the error best."""
+        differences = [(v[0] - u[0], v[1] - u[1]) for v, u in reversed(self.inputs)]
+        return min(differences, key=lambda one: abs(math.hypot(*one) - self.stat.last_error))
+
+    @property
+    def is_right(self) -> bool:
+        """True if its error is that of its inputs."""
+        wanted = math.hypot(*self.difference)
+        return math.isclose(self.stat.last_error, wanted, rel_tol=0.02, abs_tol=0.005)
+
+
+def samples_row(stats: Sequence[ControllerEvaluationStat], *, is_log: bool = False) -> CheckResult:
+    """Return the row for the numbers of samples, of two messages or more, or of a log."""
+    steps = {after.samples - now.samples for now, after in pairwise(stats)}
+    hint = "count in the odometry callback, and only there: one message for each odometry"
+    if stats[0].samples < 1:
+        hint = "count a sample before you publish it: the first message is of 1 sample"
+    elif min(steps, default=0) < 0:
+        hint = "it starts again: go on counting when another desired velocity comes"
+    elif is_log:
+        hint += _LOST
+    measured = f"{stats[0].samples} to {stats[-1].samples} in {len(stats)} messages"
+    is_ok = steps <= {1} and stats[0].samples >= 1
+    return CheckResult("samples", "1 more each time", measured, is_ok, hint)
+
+
+def error_row(what: str, samples: Sequence[Sample]) -> CheckResult:
+    """Return the row for the errors in some messages; shown is the last one, or a wrong one."""
+    wrong = [sample for sample in samples if not sample.is_right]
+    right = len(samples) - len(wrong)
+    is_ok = right >= _MOST * len(samples)
+    shown = samples[-1] if is_ok else wrong[-1]
+    measured = f"{shown.stat.last_error:.3f}"
+    if len(samples) > 1:
+        measured += f", {right} of {len(samples)} right"
+    cause = "" if is_ok else error_cause(shown.stat.last_error, *shown.inputs[-1])
+    wanted = f"{math.hypot(*shown.difference):.3f}"
+    return CheckResult(what, wanted, measured, is_ok, _error_hint(cause), cause or what)
+
+
+def average_rows(samples: Sequence[Sample], change: int = 0) -> Iterator[CheckResult]:
+    """Yield the rows for the average from its first sample on, before and after a change."""
+    averages = [sample.stat.average_error for sample in samples]
+    differences = [sample.difference for sample in samples]
+    wrong = wrong_averages(averages, differences)
+    cause = average_cause(averages, differences) if wrong else ""
+    hint, key = _average_hint(cause), cause.removeprefix(_OF_ERRORS) or "average"
+    parts = ("average_error", 0, change), (_REMEMBERS, change, len(samples))
+    for what, start, end in parts[not change :]:
+        index = next((one for one in wrong if start <= one < end), end - 1)
+        is_ok = index not in wrong
+        wanted = root_mean_square([math.hypot(*one) for one in differences[: index + 1]])
+        measured = f"{averages[index]:.3f} of {index + 1} samples"
+        yield CheckResult(what, f"{wanted:.3f}", measured, is_ok, hint, key)
+
+
+def log_rows(samples: Sequence[Sample]) -> Iterator[CheckResult]:
+    """Yield the rows for the messages in a log, which may begin late and lack some."""
+    stats = [sample.stat for sample in samples]
+    errors = error_row("last_error", samples)
+    yield samples_row(stats, is_log=True)
+    yield errors
+    if errors.is_ok and [stat.samples for stat in stats] == list(range(1, len(stats) + 1)):
+        yield from average_rows(samples)
+        return
+    pairs = [(a, b) for a, b in pairwise(stats) if b.samples == a.samples + 1]
+    right = sum(_includes(before, after) for before, after in pairs)
+    wanted, measured = "each includes one more error", f"{right} of {len(pairs)}"
+    key = "average" if errors.is_ok else errors.cause
+    is_ok = right == len(pairs)
+    yield CheckResult(_REMEMBERS, wanted, measured, is_ok, _average_hint(""), key)
+
+
+def _includes(before: ControllerEvaluationStat, after: ControllerEvaluationStat) -> bool:
+    """Return True if the mean of the squares includes the last error."""
+    return math.isclose(
+        after.samples * after.average_error**2,
+        before.samples * before.average_error**2 + after.last_error**2,
+        rel_tol=1e-6,
+        abs_tol=1e-9,
+    )
