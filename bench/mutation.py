@@ -42,6 +42,7 @@ FOLDERS = {
     "labs": ["tests/unit/nodes"],
     "launch": ["tests/files/launch"],
     "messages": ["tests/files/messages", "tests/types"],
+    "wire": ["tests/files/logs"],
     "sim": ["tests/files/worlds", "tests/physics"],
 }
 """The folders with tests of a room, beside its own in tests/unit."""
@@ -178,8 +179,8 @@ def main() -> None:
             tests = tests_of(place.path, with_processes=options.process)
             is_killed = bool(tests) and is_noticed(place, copy, tests)
             noticed += is_killed
-            print(f"{'noticed ' if is_killed else 'SURVIVED'}  {place}", flush=True)
-            print(f"          {noticed} of {number}", end="\r", flush=True)
+            fate = "noticed " if is_killed else "SURVIVED"
+            print(f"{noticed:3} of {number:3}  {fate}  {place}", flush=True)
     print(f"{noticed} of {len(chosen)} changes noticed, of {len(found)} places")
 
 
