@@ -119,7 +119,7 @@ def test_a_node_whose_package_has_its_name_is_run(cli):
     ("command", "typed", "read"),
     [
         (play, "a -u 5 -l --wait-for-subscribers",
-         {"duration": 5, "loop": True, "wait_subscribers": True}),
+         {"duration": 5, "loops": True, "waits": True}),
         (record, "-O a --split 1GB --max-splits 3",
          {"output": "a", "split": "1GB", "max_files": 3}),
     ],
