@@ -206,6 +206,7 @@ def test_types_are_not_collected_again_for_messages_that_tell_none(monkeypatch):
     assert builder.types_of("/a") == ("t/One", "t/Two")
 
 
+@pytest.mark.timing
 def test_nodes_without_details_make_a_snapshot_no_slower_by_every_channel():
     usual, unknown = _snapshot_seconds(has_details=True), _snapshot_seconds(has_details=False)
     assert unknown < 8 * usual  # 40 times as long if every channel is looked at for each node
