@@ -54,7 +54,7 @@ def test_rarely_used_tools_are_in_a_menu_that_escape_closes(page, address):
     tool.wait_for()
     page.keyboard.press("Escape")
     tool.wait_for(state="hidden")
-    assert page.get_by_role("button", name="More …").get_attribute("aria-expanded") == "false"
+    page.get_by_role("button", name="More …", expanded=False).wait_for()  # told a moment later
 
 
 def test_a_plot_opens_below_the_widest_panel(page, address):
