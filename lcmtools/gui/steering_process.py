@@ -53,9 +53,17 @@ class SteeringProcess:
         self.pid = self._process.pid
         self._socket.settimeout(_LONGEST_START)
         self._answers = self._socket.makefile("rb")
+        self._has_started = False
 
     def execute(self, command: Command) -> str:
         """Execute a page's command; return why it is ignored, else ""; NoAnswer."""
+        if not self._has_started:  # else a first command that drives could be waited for as long
+            self._ask(Command("release", page=0))
+            self._socket.settimeout(_LONGEST)
+            self._has_started = True
+        return self._ask(command)
+
+    def _ask(self, command: Command) -> str:
         try:
             self._socket.sendall(command.line())
             answer = self._answers.readline()
@@ -63,7 +71,6 @@ class SteeringProcess:
             raise NoAnswer(error) from error
         if not answer:
             raise NoAnswer("it has ended")
-        self._socket.settimeout(_LONGEST)
         return str(json.loads(answer))
 
     def close(self) -> None:

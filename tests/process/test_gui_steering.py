@@ -13,7 +13,7 @@ from fixtures.window import LivePage
 
 from lcmtools.bus.url import parse_url
 from lcmtools.gui.dead_man import HOLD, Command
-from lcmtools.gui.steering_process import SteeringProcess
+from lcmtools.gui.steering_process import NoAnswer, SteeringProcess
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
 
@@ -155,6 +155,26 @@ def test_the_process_that_publishes_is_stopped_or_killed(window, driver, robot, 
     driver.end(op)
     at = time.monotonic()
     assert robot.wait(moves=False) - at < _LIMIT
+
+
+def test_a_process_that_stops_at_its_first_command_is_not_awaited_as_at_its_start(
+    bus_url, monkeypatch
+):
+    ask, stopped_at = SteeringProcess._ask, []
+
+    def stopped(self, command):
+        if command.op == "drive":
+            os.kill(self.pid, signal.SIGSTOP)
+            stopped_at.append(time.monotonic())
+        return ask(self, command)
+
+    monkeypatch.setattr(SteeringProcess, "_ask", stopped)
+    process, stop = SteeringProcess(parse_url(bus_url)), encode(Twist())
+    command = Command("drive", 1, TOPIC, (TWIST, 0), stop, stop, time.monotonic() + _LONG)
+    with pytest.raises(NoAnswer):
+        process.execute(command)
+    assert time.monotonic() - stopped_at[0] < _LIMIT
+    process.kill()
 
 
 def test_a_process_that_is_replaced_drives_on(window, driver, robot):
