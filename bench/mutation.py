@@ -38,6 +38,7 @@ TURNED: dict[type[ast.cmpop], str] = {
 }
 FOLDERS = {
     "cli": ["tests/cli"],
+    "doctor": ["tests/doctor"],
     "bag": ["tests/files/bags", "tests/files/logs"],
     "labs": ["tests/unit/nodes"],
     "launch": ["tests/files/launch"],

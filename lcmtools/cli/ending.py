@@ -24,7 +24,6 @@ from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.signals import Doubles, ending_signals
 
 INTERRUPTED = 130
-USAGE = UsageError.exit_code
 BY_SIGNAL = 128
 """The exit code of a command that a signal has ended is this and the signal's number."""
 _READER_GONE = signal.SIGURG  # nothing else sends it; without a handler it is ignored
