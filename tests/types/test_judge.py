@@ -188,7 +188,7 @@ def sample(cls, depth=0):
 
 @st.composite
 def texts(draw):
-    """The text of a package with enums and structs, which contain those before and arrays of any."""
+    """The text of a package with enums and structs, which hold those before and arrays of any."""
     lines, known = ["package judged; // a /* comment"], [*PRIMITIVES, "string"]
     for number in range(draw(st.integers(0, 2))):
         values = draw(st.lists(st.sampled_from(NAMES), unique=True, max_size=3))
