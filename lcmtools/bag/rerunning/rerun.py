@@ -153,7 +153,8 @@ class _Rerunner:
                         source = lambda *_: messages  # noqa: E731 - the player never seeks
                         session.real_time(Player(source, self._window, rate=rate, now=now))
                     else:
-                        session.lockstep(self._messages(session.is_input), end)
+                        messages = self._messages(session.is_input)
+                        run.not_in_step = session.lockstep(messages, end)
                 except Stopped as stop:
                     run.trouble = str(stop)
                 run.last_lines = programs.last_lines()
