@@ -57,7 +57,8 @@ def fix(source: str, target: str, *, force: bool, as_json: bool) -> int:
     with LogFile(source) as log:
         damage = find_damage(log)
         more = {"left_out": [part.record() for part in damage]}
-        write(target, log.packets(), log, force=force, as_json=as_json, more=lambda: more)
+        manner = {"force": force, "as_json": as_json, "tell_damage": False}  # told below
+        write(target, log.packets(), log, more=lambda: more, **manner)
     write_lines([] if as_json else damage_rows(damage))
     if not damage:
         write_note("nothing is damaged")
