@@ -3,10 +3,11 @@
 import socket
 
 from lcmtools.bus.kernel import receive_buffers
+from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Traffic
+from lcmtools.graph.model import Graph, Traffic
 from lcmtools.observe.node_requests import program_place
-from lcmtools.observe.reading.senders import Program
+from lcmtools.observe.reading.senders import Program, listening_programs
 from lcmtools.observe.reports.describe import (
     Kinds,
     candidates_text,
@@ -28,6 +29,11 @@ def listed_rows(program: Program) -> list[str]:
         parts.append(f"listens ({plural(lost, 'datagram')} dropped so far)" if lost else "listens")
     text = f"{program_place(program)} \t{command_text(program)}{user}{bus}"
     return [text, f"\t{', '.join(parts)}"]
+
+
+def listeners_text(graph: Graph, url: BusUrl) -> str:
+    """Return the programs that are no nodes and receive from a bus; "" for none that is seen."""
+    return ", ".join(map(program_text, listening_programs(graph, url) or ()))
 
 
 def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
