@@ -25,6 +25,7 @@ from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.terminal import has_keys
+from lcmtools.text_table import plural
 
 _rate = not_negative("the rate must be positive, or 0 for as fast as possible")
 
@@ -105,7 +106,9 @@ def command(
     ):
         show = _position_shower(line)
         result = play(paths, chosen_url(), choice, manner, notify=line.write_note, on_position=show)
-        line.write_note_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
+        line.write_note_unless_quiet(
+            f"{plural(result.messages, 'message')} in {result.seconds:.1f} s"
+        )
 
 
 def _position_shower(line: StatusLine) -> Callable[[Position], None]:

@@ -22,7 +22,7 @@ _MISSED = 0.25  # share of messages: more than the irregularity of a busy comput
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
 _IRREGULAR = frozenset({"dropped-in-bursts", "dropped-held-up", "dropped-long-call"})
-_LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
+_LOST = "{node} lost {lost:messages} of {topic} (depth {depth})"
 _PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
 _NEVER_ENDS = "a call of its callback has not ended for {seconds:time}"
 _BUSIEST_LESS = {"busiest-less": "let {busiest:work} of {node} do less, and never wait"}
