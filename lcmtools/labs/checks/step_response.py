@@ -171,8 +171,9 @@ def command_cause(run: StepRun) -> Cause | None:
     if run.step.turn_rate and abs(fastest) > _RUN_AWAY:
         text = f"wrong sign of speed (it drives at {fastest:+.2f} m/s, and should not)"
         return Cause("speed-sign", text)
-    if run.touches:
-        return Cause("stuck", f"the robot is stuck on {run.touches[0]}")
+    if run.touches:  # it may have gone there because it drives the wrong way
+        stuck = Cause("stuck", f"the robot is stuck on {run.touches[0]}")
+        return (run.step.target and _sign_cause(run, run.response())) or stuck
     return _effort_cause([m.message for m in run.commands if isinstance(m.message, JointState)])
 
 

@@ -287,8 +287,8 @@ def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(callback, co
     assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
 
 
-@pytest.mark.parametrize("key", [SELDOM, STOPPED, ZERO])
-def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key):
+@pytest.mark.parametrize("key", [SELDOM, STOPPED, ZERO, "measured"])
+def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_late(key):
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=key)
     slow = replace(INPUTS[0], calls=10, longest=0.5, busy=5.0)
     look = replace(WELL, subscriptions=[slow])

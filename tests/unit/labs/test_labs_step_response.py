@@ -37,6 +37,11 @@ FORWARD, TURN = Step(0.5, 0.0), Step(0.0, 0.3)
             "the robot is stuck on pillar, at (4.0, -3.0) m",
         ),
         (step_run(FORWARD, (-0.9, 0.0), effort(-1, -1)), "speed-sign", "wrong sign of speed"),
+        (
+            step_run(FORWARD, (-0.9, 0.0), effort(-1, -1), 400, [Touch(1, "yard", -5.4, 0.0)]),
+            "speed-sign",
+            "wrong sign of speed",
+        ),
         (step_run(FORWARD, (0.5, 1.8), effort(-1, 1)), "turn-sign", "it turns at +1.80 rad/s"),
         (step_run(TURN, (0.0, -1.8), effort(1, -1)), "turn-sign", "wrong sign of turn (-1.80"),
         (step_run(TURN, (-1.0, 0.0), effort(-1, -1)), "speed-sign", "it drives at -1.00 m/s"),
