@@ -124,6 +124,7 @@ def test_a_wrong_message_is_named(rerun, words, key, expected):
         ("never", ("--timeout", "1s"), "did not connect to the bus within 1 s"),
         ("__ns:=/other", (), "subscribes to /other/in; did you mean /in?"),
         ("out:=elsewhere", (), "it published /elsewhere, which the log does not have"),
+        ("", ("--output", "/oot"), "/oot is neither in the log nor published; did you mean /out?"),
     ],
 )
 def test_a_program_that_fails_is_named_with_its_last_lines(rerun, words, options, says):

@@ -102,6 +102,9 @@ class _Rerunner:
             topics.append(found)
         if not trouble and not any(topic.is_judged for topic in topics):
             trouble.append(self._idle(run))
+        for topic in sorted(set(self._manner.outputs) - was.keys() - now.keys()):
+            hint = self._near(topic)
+            trouble.append(f"{topic} is neither in the log nor published{hint and f'; {hint}'}")
         notes += self._unserved(run)
         start, end = self._window
         return Rerun(
