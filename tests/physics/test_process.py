@@ -175,19 +175,6 @@ def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(start, tmp_pa
         assert error.startswith(f"lcmtools run sim: {reason}")
 
 
-def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_3(start, tmp_path):
-    # A module that cannot be imported, before the real one on the path.
-    (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
-    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
-    environment = {"PYTHONPATH": path, "LCMTOOLS_ENGINE": "bullet"}
-    process = start(environment=environment)
-    out, error = process.communicate(timeout=40)
-    assert (process.returncode, out, error.count("\n")) == (3, "", 1)
-    assert error.startswith(
-        "lcmtools run sim: the engine bullet cannot be imported: not here; type: pip install"
-    )
-
-
 class Fleet:
     """A leader with the first Husky and a follower with the second one, watched step by step."""
 

@@ -55,7 +55,7 @@ def tick():
     gauge.publish(nothing)
     frames.publish(TFMessage(transforms=[moved]))
 
-robot.create_timer(0.02, tick)
+robot.create_timer(0.05, tick)
 print("ready", flush=True)
 lcmtools.spin(robot, driver)
 """
@@ -82,7 +82,7 @@ while True:
     plain.publish("PLAIN", String().encode())
     plain.publish("ODD", b"12345678 and more")
     plain.handle_timeout(0)  # of its own messages one always waits
-    time.sleep(0.02)
+    time.sleep(0.1)
 """
 _WORLD = """\
 node: yard
@@ -148,7 +148,7 @@ LINES = [
     "sim pause",
     "sim step 2",
     "sim resume",
-    "sim set-rate 4",
+    "sim set-rate 0.5",
     "sim state husky0",
     "sim set-pose husky0 1 2",
     "sim spawn husky /husky9 0 8",
