@@ -1,8 +1,8 @@
 """Change places of the product at random, and print the share that the tests notice.
 
     .venv/bin/pip install coverage
-    .venv/bin/python bench/mutation.py --record                      # once: half an hour
-    .venv/bin/python bench/mutation.py --record --tests tests/unit/wire   # of some tests only
+    .venv/bin/python bench/mutation.py --record                          # once
+    .venv/bin/python bench/mutation.py --record --tests tests/unit/wire  # of some tests only
     .venv/bin/python bench/mutation.py --count 200 --seed 1
     .venv/bin/python bench/mutation.py --room messages --room wire --count 20
 
@@ -56,7 +56,7 @@ disable_warnings = module-not-imported, no-data-collected
 context = ${{PYTEST_CURRENT_TEST-}}
 data_file = {DATA}
 parallel = true
-patch = subprocess, _exit
+patch = _exit
 relative_files = true
 sigterm = true
 source = lcmtools, lcmtools_sim
@@ -95,7 +95,7 @@ def places(path: Path) -> Iterator[Place]:
 
     def place(node: Any, start: int, end: int, text: str) -> Place:  # noqa: ANN401 - a node with lines
         around = [one for one in statements if one.lineno <= node.lineno <= (one.end_lineno or 0)]
-        own = max(around, key=lambda one: one.lineno)
+        own = max(around, key=lambda one: one.lineno, default=node)  # else a decorator's
         body = getattr(own, "body", None)  # of an if or for its head counts
         last = body[0].lineno - 1 if body else own.end_lineno or own.lineno
         return Place(path, node.lineno, start, end, text, range(own.lineno, last + 1))
@@ -139,7 +139,7 @@ def run_tests(root: Path, words: list[str], **options: Any) -> int:  # noqa: ANN
     words = ["-m", "pytest", "-q", "-p", "mutation", "-p", "no:cacheprovider", *words]
     environment |= options.pop("env", {})
     return subprocess.run(
-        [sys.executable, *options.pop("python", []), *words],
+        [sys.executable, *words],
         cwd=root,
         env={**os.environ, **environment},
         check=False,
@@ -147,13 +147,14 @@ def run_tests(root: Path, words: list[str], **options: Any) -> int:  # noqa: ANN
     ).returncode
 
 
-def record(tests: list[str]) -> None:
+def record(tests: list[str], workers: int) -> None:
     """Run the tests, and keep which lines each touches and how long it takes."""
     shutil.rmtree(BUILD, ignore_errors=True)
     BUILD.mkdir(parents=True)
     (BUILD / "coveragerc").write_text(CONFIGURATION)
-    coverage = ["-m", "coverage", "run", f"--rcfile={BUILD / 'coveragerc'}"]
-    run_tests(ROOT, ["-m", "not timing", *tests], python=coverage, env={"MUTATION": "record"})
+    words = ["-m", "not timing", "-n", f"{workers}", "--dist", "worksteal", *tests]
+    start = {"MUTATION": "record", "COVERAGE_PROCESS_START": str(BUILD / "coveragerc")}
+    run_tests(ROOT, words, env=start)
     combine = [
         sys.executable,
         "-m",
@@ -203,12 +204,16 @@ class Recorded:
         self._data.read()
 
     def tests_of(self, place: Place) -> list[str]:
-        """Return the tests that touch a place, the fastest first."""
+        """Return the tests that touch a place, and of one that is run at import the module's."""
         lines = self._data.contexts_by_lineno(str(place.path.relative_to(ROOT)))
-        touched = [contexts for line in place.statement for contexts in lines.get(line, ())]
-        if touched and not any(touched):  # it runs before any test
-            touched = [one for contexts in lines.values() for one in contexts]
-        tests = {one.rpartition(" (")[0] if one.endswith(")") else one for one in touched}
+        touched = {context for line in place.statement for context in lines.get(line, ())}
+        found = self._fastest_first(touched)
+        if "" in touched:  # before any test
+            found += self._fastest_first({one for contexts in lines.values() for one in contexts})
+        return list(dict.fromkeys(found))
+
+    def _fastest_first(self, contexts: set[str]) -> list[str]:
+        tests = {one.rpartition(" (")[0] if one.endswith(")") else one for one in contexts}
         return sorted(tests & self.seconds.keys(), key=self.seconds.__getitem__)
 
 
@@ -250,13 +255,14 @@ def main() -> None:
     )
     parser.add_argument("--record", action="store_true", help="record what each test touches")
     parser.add_argument("--tests", nargs="+", default=TESTS, help="that are recorded")
+    parser.add_argument("--workers", type=int, default=3, help="that record side by side (3)")
     parser.add_argument("--count", type=int, default=200, help="number of places (200)")
     parser.add_argument("--seed", type=int, default=1, help="other places for another number (1)")
     parser.add_argument("--room", action="append", help="only this room; may be repeated")
     parser.add_argument("--limit", type=float, default=30, help="seconds of tests a place (30)")
     options = parser.parse_args()
     if options.record:
-        record([test for test in options.tests if (ROOT / test).exists()])
+        record([test for test in options.tests if (ROOT / test).exists()], options.workers)
         return
     recorded, begin = Recorded(), time.monotonic()
     files = (file for folder in PRODUCT.values() for file in sorted(folder.rglob("*.py")))
