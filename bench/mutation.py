@@ -151,18 +151,12 @@ def record(tests: list[str], workers: int) -> None:
     """Run the tests, and keep which lines each touches and how long it takes."""
     shutil.rmtree(BUILD, ignore_errors=True)
     BUILD.mkdir(parents=True)
-    (BUILD / "coveragerc").write_text(CONFIGURATION)
+    file = BUILD / "coveragerc"
+    file.write_text(CONFIGURATION)
     words = ["-m", "not timing", "-n", f"{workers}", "--dist", "worksteal", *tests]
-    start = {"MUTATION": "record", "COVERAGE_PROCESS_START": str(BUILD / "coveragerc")}
+    start = {"MUTATION": "record", "COVERAGE_PROCESS_START": str(file)}
     run_tests(ROOT, words, env=start)
-    combine = [
-        sys.executable,
-        "-m",
-        "coverage",
-        "combine",
-        "-q",
-        f"--rcfile={BUILD / 'coveragerc'}",
-    ]
+    combine = [sys.executable, "-m", "coverage", "combine", "-q", f"--rcfile={file}"]
     subprocess.run(combine, cwd=ROOT, check=True)
 
 

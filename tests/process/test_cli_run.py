@@ -145,21 +145,3 @@ def test_node_whose_package_is_missing_says_what_to_type_with_exit_code_3(
     assert (result.returncode, result.stdout) == (3, "")
     install = "; type: pip install opencv-python\n"
     assert_line(result.stderr, "lcmtools run: mine", "'cv2'", install)
-
-
-def test_msg_list_and_show_agree_in_all_spellings(cli):
-    names = cli("msg", "list").out.splitlines()
-    assert names == sorted(names)
-    assert {"geometry_msgs/Twist", "std_msgs/String", "nav_msgs/Odometry"} <= set(names)
-    shown = cli("msg", "show", "geometry_msgs/Twist").out
-    assert shown == (
-        "geometry_msgs/Vector3 linear\n  float64 x\n  float64 y\n  float64 z\n"
-        "geometry_msgs/Vector3 angular\n  float64 x\n  float64 y\n  float64 z\n"
-    )
-    assert cli("msg", "show", "geometry_msgs/msg/Twist").out == shown
-    assert cli("interface", "show", "geometry_msgs.Twist").out == shown
-    assert cli("msg", "show", "Twist").out == f"[geometry_msgs/Twist]:\n{shown}"
-    record = json.loads(cli("msg", "show", "--json", "Twist").out)
-    assert record["type"] == "geometry_msgs/Twist"
-    assert record["fingerprint"] == "0x2e7c07d7cdf7e027"
-    assert json.loads(cli("msg", "list", "--json").out) == names
