@@ -49,7 +49,7 @@ def run(angle, law=proportional, points=PATH, reach=0.4, delays=(0,)):
     x, y, heading, goal, speed, turn = -1.0, 0.0, 0.0, 0, 0.0, 0.0
     drive, commands, periods = DrivenPath(PATH), list[CommandMessage](), cycle(delays)
     left = -1
-    for time in (n / 50 for n in range(3000)):
+    for time in (n / 50 for n in range(1500)):
         drive.add(TrueState(time, x, y, speed, turn, heading))
         while goal < len(points) - 1 and math.dist(points[goal], (x, y)) < reach:
             goal += 1
