@@ -110,7 +110,7 @@ def test_a_killed_one_is_noticed(announce, cli):
     assert_says(cli("wtf").out, "/driver", str(running.pid))
 
 
-@pytest.mark.parametrize("name", ["", "/", "a b", "1a", "a//b", "a/", "x" * 63])
+@pytest.mark.parametrize("name", ["", "a b", "a//b", "x" * 63])
 def test_an_illegal_name_is_said_in_one_line_and_the_program_goes_on(name, announce, cli):
     running = announce(name, "listen")
     (line,) = (one for one in running.lines if one != "ready")

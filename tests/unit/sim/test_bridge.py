@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 from fixtures.fake_bus import FakeBus
 
-from lcmtools.errors import ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.graph.model import Node as GraphNode
 from lcmtools.messages.codec import decode, encode
@@ -254,11 +253,6 @@ def test_samples_go_out_on_their_topics(bridge, node):
     payload = encode(Clock())
     bridge.publish([Sample("/clock", Clock, payload)])
     assert node.publishers["/clock"].sent == [payload]
-
-
-def test_the_fake_robot_refuses_as_the_real_one_does():
-    with pytest.raises(ValueMismatch):
-        FakeRobot("/a").command(efforts())
 
 
 @pytest.mark.parametrize(
