@@ -12,7 +12,7 @@ import time
 from collections import Counter, deque
 from dataclasses import dataclass
 from heapq import heapify, heappop, heapreplace
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from lcmtools.bounded import count
 from lcmtools.wire.stamp import Origin
