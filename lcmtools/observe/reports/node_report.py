@@ -23,7 +23,7 @@ from lcmtools.observe.reports.describe import (
     seen_kinds,
 )
 from lcmtools.observe.reports.node_list_report import up_time
-from lcmtools.observe.reports.process_rows import percent, usage_rows
+from lcmtools.observe.reports.program_report import percent, usage_rows
 from lcmtools.text_table import plural
 
 _TITLES = {
