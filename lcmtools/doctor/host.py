@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lcmtools.bus.network_watch import route_interface
-from lcmtools.bus.processes import network_counter, sockets_are_known
+from lcmtools.bus.processes import PROC, network_counter
+from lcmtools.bus.sockets import joined, sockets_are_known
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.evidence import Host
 from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
@@ -28,7 +29,7 @@ from lcmtools.errors import LcmtoolsError
 if TYPE_CHECKING:
     from lcmtools.doctor.firewall import Traffic
 
-_PROC, _NET = Path("/proc"), Path("/sys/class/net")
+_NET = Path("/sys/class/net")
 _UP, _RUNNING, _MULTICAST = 0x1, 0x40, 0x1000  # linux/if.h
 _WORKS = _UP | _RUNNING | _MULTICAST
 _GET_FLAGS = 0x8913  # linux/sockios.h; /sys may show another network's interfaces
@@ -44,18 +45,18 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
     interface = route_interface(url.host) if url.is_multicast else ""
     folder = _NET / interface if interface else Path("/nonexistent")
     flags = _flags(interface or "lo") if url.is_multicast else _WORKS  # where a route would lead
-    filters = _PROC / "sys/net/ipv4/conf"
+    filters = PROC / "sys/net/ipv4/conf"
     return Host(
         uid=os.getuid(),
         interface=interface,
         is_up=bool(flags & _UP),
         can_multicast=bool(flags & _MULTICAST) or not interface,
         has_link=bool(flags & _RUNNING) or not interface,
-        joined=_joined(url.host) if url.is_multicast else (),
+        joined=joined(url.host) if url.is_multicast else (),
         rp_filter=max(_number(filters / one / "rp_filter") for one in ("all", interface or "all")),
         speed_mbit=max(0, _number(folder / "speed")),
         is_wireless=(folder / "wireless").exists(),
-        most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
+        most_receive_buffer=_number(PROC / "sys/net/core/rmem_max"),
         container=_container(),
         environment=(*_environment(environment), *misread_options(url)),
         has_sockets=sockets_are_known(),
@@ -93,7 +94,7 @@ def silent_bridge(interface: str) -> str:
 
 def _flags(interface: str) -> int:
     """Return an interface's flags; those of a working one if unknown."""
-    if not _PROC.joinpath("net/route").exists():
+    if not PROC.joinpath("net/route").exists():
         return _WORKS
     with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         request = struct.pack("16s16x", interface.encode())
@@ -102,7 +103,7 @@ def _flags(interface: str) -> int:
 
 
 def _routed_interfaces() -> set[str]:
-    rows = text_of(_PROC / "net/route").splitlines()[1:]
+    rows = text_of(PROC / "net/route").splitlines()[1:]
     return {columns[0] for row in rows if (columns := row.split())}
 
 
@@ -116,20 +117,8 @@ def rp_filter_drops() -> int:
     return network_counter("netstat", "TcpExt:", "IPReversePathFilter")
 
 
-def _joined(group: str) -> tuple[str, ...]:
-    packed = f"{struct.unpack('=I', socket.inet_aton(group))[0]:08X}"
-    found, interface = [], ""
-    for line in text_of(_PROC / "net/igmp").splitlines()[1:]:
-        columns = line.split()
-        if columns and not line[0].isspace():
-            interface = columns[1].rstrip(":")
-        elif columns and columns[0] == packed:
-            found.append(interface)
-    return tuple(found)
-
-
 def _container() -> str:
-    if "microsoft" in text_of(_PROC / "version").lower():
+    if "microsoft" in text_of(PROC / "version").lower():
         return "WSL"
     files = (Path("/.dockerenv"), Path("/run/.containerenv"))
     return "container" if any(file.exists() for file in files) else ""

@@ -2,13 +2,13 @@
 
 import time
 
-from lcmtools.bus.processes import usage_of
+from lcmtools.bus.processes import Process
 from lcmtools.observe.reading.senders import user_name
 
 
 def usage_rows(pid: int, now: int) -> list[str]:
     """Return the resources that a process of this computer uses; none if the system hides them."""
-    taken = usage_of(pid)
+    taken = Process(pid).usage()
     if taken is None:
         return []
     started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))

@@ -2,7 +2,7 @@
 
 import socket
 
-from lcmtools.bus.kernel import receive_buffers
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Traffic
 from lcmtools.observe.node_requests import program_place
@@ -47,7 +47,7 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
             f"Command: {process.command}",
             *usage_rows(process.pid, now),
         ]
-    sizes = receive_buffers() if program.sockets else {}
+    sizes = SocketTable.read().buffers if program.sockets else {}
     found += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
         f" {plural(row.drops, 'datagram')} dropped"
