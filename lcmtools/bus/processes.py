@@ -56,6 +56,10 @@ class Process:
         words = self.text("environ").split("\0")
         return dict(word.split("=", 1) for word in words if "=" in word)
 
+    def was_told(self, text: str) -> bool:
+        """Return whether a text is in its variables or its command line."""
+        return any(text in self.text(file) for file in ("environ", "cmdline"))
+
     @cached_property
     def network(self) -> int:
         """The number of its network namespace; 0 if unknown."""

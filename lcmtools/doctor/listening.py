@@ -87,7 +87,7 @@ class _Stream:
 
 
 class Listening:
-    """The evidence in messages as they arrive.
+    """The evidence in messages as they arrive, of the streams that came first if there are many.
 
     ``types_of`` returns the announced types of a topic; ``share`` is the share of the time that
     decoding may take. Several programs may send from ``port``, that of the bus, as of Java.
@@ -124,19 +124,17 @@ class Listening:
                 self.relays.add_report(packet.payload)
             return
         key = (packet.channel, packet.sender)
-        stream = self._streams.get(key) or _Stream()
-        if len(stream.times) < _MOST_TIMES:
-            stream.times.append(packet.time)
-        stream.largest = max(stream.largest, packet.size)
-        stream.bytes += packet.size
-        if packet.sender and packet.sender.port == self._port and packet.seqno is not None:
-            stream.take_number(packet.seqno)
-        self._compare(packet, stream)
-        self._streams.put(key, stream, stream.size())
+        stream = self._streams.use(key)
+        if stream is None and len(self._streams) < _MOST_STREAMS:
+            stream = _Stream()
+        if stream is not None:
+            self._count(packet, stream)
+            self._streams.put(key, stream, stream.size())
         try:
             cls = self._class_of(packet)  # loading a type does not count as decoding
         except LcmtoolsError:  # unknown type
-            self._inspect_unknown(packet, stream)
+            if stream is not None:
+                self._inspect_unknown(packet, stream)
             return
         now = time.monotonic()
         has_time = self._spent <= self._share * (now - self._start) + 0.05
@@ -226,9 +224,18 @@ class Listening:
             raise found
         return found
 
+    def _count(self, packet: Packet, stream: _Stream) -> None:
+        if len(stream.times) < _MOST_TIMES:
+            stream.times.append(packet.time)
+        stream.largest = max(stream.largest, packet.size)
+        stream.bytes += packet.size
+        if packet.sender and packet.sender.port == self._port and packet.seqno is not None:
+            stream.take_number(packet.seqno)
+        self._compare(packet, stream)
+
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Note whether the same message came before, from the same or another sender."""
-        known = self._compared.get(packet.channel) or {}
+        known = self._compared.use(packet.channel) or {}
         self._compared.put(packet.channel, known, _ENTRY * len(known))
         for memory in (known, stream.numbered):
             if len(memory) >= _MOST_COMPARED:

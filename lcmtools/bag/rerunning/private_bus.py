@@ -141,10 +141,8 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
         One that the system does not show, as in a container, is taken for a program's.
         """
         holders = tcp_holders(port, self._listener.getsockname()[1])
-        return bool(holders) and not any(
-            one.pid == getpid() or self.url in one.text("environ") + one.text("cmdline")
-            for one in holders
-        )
+        told = (one.pid == getpid() or one.was_told(self.url) for one in holders)
+        return bool(holders) and not any(told)
 
     def _read(self, client: Client) -> Iterator[Published]:
         try:
