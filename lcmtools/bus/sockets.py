@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache, cached_property
 from ipaddress import IPv4Address
+from types import MappingProxyType
 from typing import NamedTuple
 
 from lcmtools.bus.kernel import IS_LINUX, OWN_MARKS
@@ -71,7 +72,9 @@ class SocketTable:
     """
 
     def __init__(
-        self, rows: Mapping[int, UdpSocket], holders: Mapping[int, Process] | None = None
+        self,
+        rows: Mapping[int, UdpSocket] = MappingProxyType({}),
+        holders: Mapping[int, Process] | None = None,
     ) -> None:
         self.rows = rows
         if holders is not None:
@@ -112,6 +115,11 @@ class SocketTable:
     @cached_property
     def _attributes(self) -> Mapping[int, Mapping[int, bytes]]:
         return {**dict(_attributes(socket.AF_INET)), **dict(_attributes(socket.AF_INET6))}
+
+    def has_gone(self, inode: int) -> bool:
+        """Return whether a socket was closed while its process was looked for, so that none is."""
+        there = self._attributes if inode not in self.holders else {}
+        return bool(there) and inode not in there
 
     def marked(self, *marks: int) -> frozenset[int]:
         """Return the sockets with one of these marks."""
@@ -194,10 +202,6 @@ class SocketTable:
                     found.append(name)
             os.close(copy)
         return tuple(found)
-
-
-NO_SOCKETS = SocketTable({}, {})
-"""The table of what runs elsewhere, or ran earlier."""
 
 
 class PlainListeners:

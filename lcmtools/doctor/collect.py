@@ -4,11 +4,12 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from lcmtools.bus.multicast import check_route
 from lcmtools.bus.processes import Process, buffer_overflows, is_local
 from lcmtools.bus.records import NodeRecords
-from lcmtools.bus.sockets import NO_SOCKETS, SocketTable
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor import host as computer
 from lcmtools.doctor import lcm_processes, receivers
@@ -20,7 +21,6 @@ from lcmtools.doctor.evidence import (
     Stream,
 )
 from lcmtools.doctor.listening import Listening, target_rate
-from lcmtools.doctor.memory import Memory
 from lcmtools.errors import BusError, UsageError
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
@@ -28,6 +28,9 @@ from lcmtools.observe.actuators import unattended_commands
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import is_gone, is_here, user_name
 from lcmtools.observe.simulators import publishes_time
+
+if TYPE_CHECKING:  # only --watch needs it
+    from lcmtools.doctor.memory import Memory
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
 _MOST_LATE = 200  # nodes that have not answered; more are made up by a stranger
@@ -45,7 +48,7 @@ def collect(
     url: BusUrl,
     environment: Mapping[str, str],
     listen: float,
-    memory: Memory | None = None,
+    memory: "Memory | None" = None,
     in_doubt: Callable[[Evidence], bool] = never,
 ) -> Evidence:
     """Observe a bus for ``listen`` seconds, or for ``LONGER`` if that leaves it ``in_doubt``.
@@ -60,7 +63,7 @@ def collect(
         if url.is_multicast:
             check_route(url)  # lcmtools' programs would go on without one, others cannot
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
-            evidence = _observe(monitor, evidence, listen, memory or Memory(), in_doubt)
+            evidence = _observe(monitor, evidence, listen, memory, in_doubt)
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
@@ -85,19 +88,25 @@ def _observe(
     monitor: BusMonitor,
     evidence: Evidence,
     listen: float,
-    memory: Memory,
+    memory: "Memory | None",
     in_doubt: Callable[[Evidence], bool],
 ) -> Evidence:
     baseline = _Baseline.now(monitor)
     evidence = replace(evidence, before=baseline.graph)
     if driven := [odometry for _, _, odometry in unattended_commands(baseline.graph)]:
         monitor.listen_to(driven)  # a simulator publishes no odometry that nobody wants
+
+    def gathered(seconds: float) -> Evidence:
+        found = _gather(monitor, evidence, baseline, seconds)
+        return memory.recall(found) if memory else found
+
     _receive(monitor, baseline.listening, listen)
-    found = memory.recall(_gather(monitor, evidence, baseline, listen))
+    found = gathered(listen)
     if _LONG_ENOUGH <= listen < LONGER and in_doubt(found):
         _receive(monitor, baseline.listening, LONGER - listen)
-        found = memory.recall(_gather(monitor, evidence, baseline, LONGER))
-    memory.remember(found)
+        found = gathered(LONGER)
+    if memory:
+        memory.remember(found)
     return found
 
 
@@ -255,7 +264,7 @@ def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[Se
 
 
 def _sockets(url: BusUrl) -> SocketTable:
-    return SocketTable.read() if url.is_multicast else NO_SOCKETS
+    return SocketTable.read() if url.is_multicast else SocketTable()
 
 
 def _age(process: Process | None) -> float:

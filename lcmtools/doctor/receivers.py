@@ -136,8 +136,8 @@ def listeners(
         row, process = after.rows[inode], after.holders.get(inode)
         if process and (process.pid == os.getpid() or _never_reads(process)):
             continue
-        if process and process_of(process.pid) is None:  # it was killed meanwhile
-            continue
+        if after.has_gone(inode) or (process and process_of(process.pid) is None):
+            continue  # it was killed meanwhile
         nodes = names.by_pid.get(process.pid, []) if process else []
         found.append(
             Listener(

@@ -7,7 +7,7 @@ not in ``OF_LOGS``.
 import math
 from dataclasses import replace
 
-from lcmtools.bus.sockets import NO_SOCKETS
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor.collect import clock_of
 from lcmtools.doctor.evidence import Evidence, SenderFacts
@@ -37,7 +37,7 @@ def collect_log(observer: LogObserver) -> Evidence:
             first = first or packet.time
             listening.add_packet(packet)
         graph = monitor.graph()
-        names = ProgramNames(monitor, listening, graph.nodes, NO_SOCKETS)
+        names = ProgramNames(monitor, listening, graph.nodes, SocketTable())
         return Evidence(
             str(url),
             graph=graph,

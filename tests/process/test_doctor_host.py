@@ -12,11 +12,10 @@ from lcmtools.bus.network_watch import route_interface
 from lcmtools.bus.processes import Process
 from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import parse_url
-from lcmtools.doctor import self_test
+from lcmtools.doctor import host as host_module
 from lcmtools.doctor.firewall import Traffic
-from lcmtools.doctor.host import firewall, host, silent_bridge
+from lcmtools.doctor.host import firewall, host, large_problem, send_problem, silent_bridge
 from lcmtools.doctor.lcm_processes import lcm_processes
-from lcmtools.doctor.self_test import large_problem, send_problem
 
 
 def test_the_size_of_a_receive_buffer_is_known_by_inode():
@@ -167,13 +166,13 @@ class _Lossy(socket.socket):
 
 def test_a_large_message_that_is_lost_is_told(bus_url, monkeypatch):
     monkeypatch.setattr(
-        self_test, "sending_socket", lambda _: _Lossy(socket.AF_INET, socket.SOCK_DGRAM)
+        host_module, "sending_socket", lambda _: _Lossy(socket.AF_INET, socket.SOCK_DGRAM)
     )
     assert large_problem(parse_url(bus_url)) == "part 1 of 5, 65507 bytes, is lost"
 
 
 def test_datagrams_that_the_system_refuses_to_send_are_told(bus_url, monkeypatch):
-    monkeypatch.setattr(self_test, "fragments", lambda *_: iter([bytes(70_000)]))
+    monkeypatch.setattr(host_module, "fragments", lambda *_: iter([bytes(70_000)]))
     problem = large_problem(parse_url(bus_url))
     assert problem == "the system does not send datagrams as large as LCM's"
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from lcmtools.bounded import BoundedDict
 from lcmtools.bus.kernel import OWN_MARKS, own_pid_namespace
 from lcmtools.bus.processes import Process, is_local, process_of
-from lcmtools.bus.sockets import NO_SOCKETS, SocketTable, UdpSocket
+from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import short_name
 from lcmtools.graph.model import Graph, Node, Traffic
@@ -62,7 +62,7 @@ class SenderNames:
         for sender in new:
             self._next_look[sender] = now + _RETRY
         local = [sender for sender in new if is_local(sender.address) and not sender.name]
-        table = self._read() if local else NO_SOCKETS
+        table = self._read() if local else SocketTable()
         for sender in local:
             if process := table.processes(sender).only:
                 self._processes[sender] = process
@@ -114,7 +114,7 @@ class Program(NamedTuple):
 def programs(graph: Graph, url: BusUrl) -> list[Program]:
     """Return the programs on a bus that are not nodes, those of this computer first."""
     is_log = url.provider == "file"  # whose programs need not run now, or here
-    table = NO_SOCKETS if is_log else SocketTable.read()
+    table = SocketTable() if is_log else SocketTable.read()
     known = {*nodes_by_pid(graph.nodes, table.holders.values()), os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():
@@ -122,8 +122,9 @@ def programs(graph: Graph, url: BusUrl) -> list[Program]:
     receivers: dict[Process | None, list[UdpSocket]] = {}
     for inode in table.listening(url):
         process, row = table.holders.get(inode), table.rows[inode]
-        if process is None and table.marks.get(inode) in OWN_MARKS:
-            continue  # a node or a command of another user
+        is_own = process is None and table.marks.get(inode) in OWN_MARKS  # of another user
+        if is_own or table.has_gone(inode):
+            continue
         if process is None or process.pid not in known:
             found.setdefault((process, row.uid, ""), [])
         receivers.setdefault(process, []).append(row)

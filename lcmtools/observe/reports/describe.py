@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from itertools import chain
 
 from lcmtools.bus.processes import Process, is_local
-from lcmtools.bus.sockets import NO_SOCKETS, SocketTable
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
@@ -154,7 +154,7 @@ def program_texts(traffic: Sequence[Traffic]) -> list[str]:
     """Return the programs behind senders that are not nodes, as far as the system shows them."""
     senders = [seen.sender for seen in traffic]
     here = (sender for sender in senders if sender and sender.port and not sender.name)
-    table = SocketTable.read() if any(is_local(one.address) for one in here) else NO_SOCKETS
+    table = SocketTable.read() if any(is_local(one.address) for one in here) else SocketTable()
     return [_program_text(seen, table) for seen in traffic]
 
 

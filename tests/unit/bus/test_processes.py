@@ -94,6 +94,15 @@ def test_a_port_that_nobody_has_leads_to_no_process():
     assert SocketTable({}).holders == {}
 
 
+def test_a_socket_that_was_closed_while_its_process_was_looked_for_has_gone():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as there:
+        there.bind(("127.0.0.1", 0))
+        inode = os.fstat(there.fileno()).st_ino
+        rows = {n: UdpSocket("127.0.0.1", 1, n, 0, 0) for n in (inode, 1)}
+        assert [SocketTable(rows, {}).has_gone(one) for one in rows] == [False, True]
+        assert not SocketTable(rows, {1: Process(7)}).has_gone(1)
+
+
 def test_a_process_is_stopped_until_it_is_continued():
     with subprocess.Popen(["sleep", "60"]) as child:  # noqa: S607
         os.kill(child.pid, signal.SIGSTOP)

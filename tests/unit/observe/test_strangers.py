@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from fixtures.says import raises_saying
 
-from lcmtools.bus.sockets import NO_SOCKETS
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import NothingReceived
 from lcmtools.graph.builder import MOST_FLOWS
@@ -151,7 +151,7 @@ def test_the_socket_table_is_read_once_for_all_publishers(monkeypatch):
 
     def reading():
         read.append(1)
-        return NO_SOCKETS
+        return SocketTable()
 
     monkeypatch.setattr(describe.SocketTable, "read", reading)
     senders = [Sender("127.0.0.1", port) for port in range(4000, 4500)]
