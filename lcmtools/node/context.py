@@ -12,10 +12,10 @@ from typing import Protocol
 
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.base import Bus
-from lcmtools.bus.listeners import PlainListeners
 from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
 from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.sockets import PlainListeners
 from lcmtools.bus.url import BusUrl, another_domain
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.clock import CLOCK_TOPIC

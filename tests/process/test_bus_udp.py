@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.bus.kernel import IS_LINUX, SUBSCRIBED, marked_sockets
+from lcmtools.bus.kernel import IS_LINUX, SUBSCRIBED
 from lcmtools.bus.lcm_bus import LcmBus
-from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
@@ -178,8 +177,9 @@ def test_the_kernel_drops_what_a_bus_does_not_subscribe(bus, other, bus_url, wai
     heard = []
 
     def dropped():
-        found = marked_sockets(SUBSCRIBED) & listening_sockets(parse_url(bus_url))
-        return [row.drops for row in udp_sockets() if row.inode in found]
+        table = SocketTable.read()
+        found = table.marked(SUBSCRIBED) & table.listening(parse_url(bus_url))
+        return [table.rows[inode].drops for inode in found]
 
     assert dropped() == []
     other.subscribe("a", lambda payload, _: heard.append(payload))

@@ -3,8 +3,8 @@
 import socket
 import time
 
-from lcmtools.bus.kernel import receive_buffers
-from lcmtools.bus.processes import usage_of
+from lcmtools.bus.processes import Process
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Graph, Traffic
@@ -52,9 +52,9 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
         found += [
             f"Pid: {process.pid}",
             f"Command: {process.command}",
-            *usage_rows(process.pid, now),
+            *usage_rows(process, now),
         ]
-    sizes = receive_buffers() if program.sockets else {}
+    sizes = SocketTable.read().buffers if program.sockets else {}
     found += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
         f" {plural(row.drops, 'datagram')} dropped"
@@ -121,9 +121,9 @@ def _kilobytes(size: int | None) -> str:
     return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"
 
 
-def usage_rows(pid: int, now: int) -> list[str]:
+def usage_rows(process: Process, now: int) -> list[str]:
     """Return the resources that a process of this computer uses; none if the system hides them."""
-    taken = usage_of(pid)
+    taken = process.usage()
     if taken is None:
         return []
     started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
