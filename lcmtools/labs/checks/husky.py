@@ -13,7 +13,7 @@ from lcmtools.labs.checks.evaluation import (
     error_row,
     samples_row,
 )
-from lcmtools.labs.checks.observations import Desire, TrueState
+from lcmtools.labs.checks.observations import TrueState
 from lcmtools.labs.checks.program_rows import early_end, first, first_command
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.step_response import (
@@ -69,7 +69,7 @@ class _Robot:
         seen = self._bench.recorder
         self._first_command = len(seen.commands)
         self._start = seen.motion[-1].time if seen.motion else 0.0
-        seen.desired.append(Desire(seen.time, step.forward, step.turn_rate))
+        seen.desire(step.forward, step.turn_rate)
 
     def run(self, step: Step) -> StepRun:
         """Return the observations since the velocity was desired."""
