@@ -186,7 +186,7 @@ sim = _group(
 _LAB = _entries("""\
 list      labs.commands.lab:list_labs  List the labs.
 start     labs.commands.lab:start      Run a lab's simulator.
-check     labs.commands.check:command  Check the programs of a lab.
+check     labs.commands.lab:check      Check the programs of a lab.
 skeleton  labs.commands.lab:skeleton   Copy a lab's node to complete.
 """)
 lab = _group(

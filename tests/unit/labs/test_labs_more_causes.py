@@ -11,14 +11,6 @@ import pytest
 
 from lcmtools.labs.checks import dolly, viewer
 from lcmtools.labs.checks.diagnosis import explain_number, misplaced, slip
-from lcmtools.labs.checks.driving_keys import (
-    DRIVING_KEYS,
-    KeyPress,
-    change_result,
-    key_cause,
-    key_result,
-    speeds_result,
-)
 from lcmtools.labs.checks.evaluation import (
     Sample,
     average_cause,
@@ -29,7 +21,15 @@ from lcmtools.labs.checks.evaluation import (
 )
 from lcmtools.labs.checks.observations import Failure, ReceivedMessage, Touch
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
-from lcmtools.labs.checks.teleop import check_teleop
+from lcmtools.labs.checks.teleop import (
+    DRIVING_KEYS,
+    KeyPress,
+    change_result,
+    check_teleop,
+    key_cause,
+    key_result,
+    speeds_result,
+)
 from lcmtools.labs.checks.viewer import picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.messages.pictures import Picture
