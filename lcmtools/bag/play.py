@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bag.commands import Conflict, LastCommands, conflicts, reasons, way_out
-from lcmtools.bag.player import Player, Position
-from lcmtools.bag.player_keys import press
+from lcmtools.bag.player import Player, Position, press
 from lcmtools.bag.playlist import Choice, Played, Playlist, Track
 from lcmtools.bag.summary_report import span_text
 from lcmtools.bag.times import LogTime, time_window

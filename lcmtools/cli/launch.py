@@ -10,15 +10,12 @@ from lcmtools.bus.preflight import wait_for_bus
 from lcmtools.bus.url import domain_url
 from lcmtools.cli.bus import chosen_url
 from lcmtools.cli.declare import CommandT, argument, duration, examples, flag, option, subcommand
+from lcmtools.cli.launch_screen import Screen
 from lcmtools.cli.options import bus_options, json_option
-from lcmtools.cli.output import write_data, write_note, write_result, write_stderr
-from lcmtools.color import BOLD_RED, paint, stream_wants_color
+from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import UsageError
-from lcmtools.escapes import ESCAPES, escape_but_colors
-from lcmtools.launch.command_line import read_words
-from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
+from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input, read_words
 from lcmtools.launch.logs import make_folder
-from lcmtools.launch.node_process import NodeProcess
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan
 from lcmtools.launch.plan_report import PLAN_ANSWERS, arguments_answer, list_answer
@@ -169,39 +166,3 @@ def _with_bus(node: NodePlan) -> NodePlan:
         return node
     url = str(domain_url(domain, f"{node.place}: LCMTOOLS_DOMAIN"))
     return replace(node, environment={**node.environment, "LCM_DEFAULT_URL": url})
-
-
-_COLORS = ("36", "32", "35", "34", "33")  # of nodes in turn: red is for what is wrong
-
-
-class Screen:
-    """Shows the lines and events of a supervisor on one screen, with prefixes and colours.
-
-    Lines of a node's error stream and events go to standard error, the rest to standard output.
-    """
-
-    def __init__(self) -> None:
-        self._colors_lines = stream_wants_color(sys.stdout, os.environ)
-        self._colors_talk = stream_wants_color(sys.stderr, os.environ)
-
-    def line(self, node: NodeProcess, text: str, *, is_error: bool) -> None:
-        """Write a node's line with its colours; what else would control the terminal is escaped."""
-        text = escape_but_colors(text)
-        prefix = f"[{node.label}]"
-        if self._colors_talk if is_error else self._colors_lines:
-            prefix = paint(prefix, _COLORS[node.number % len(_COLORS)])
-        if not is_error:
-            write_data(f"{prefix} {text}")
-            return
-        write_stderr(f"{prefix} {text}\n")
-
-    def stream(self, *, is_error: bool) -> int:
-        """Return the file descriptor of the output."""
-        return (sys.stderr if is_error else sys.stdout).fileno()
-
-    def event(self, text: str, *, is_bad: bool = False) -> None:
-        """Write an event of the processes."""
-        if is_bad and self._colors_talk:
-            write_stderr(f"{paint(text.translate(ESCAPES), BOLD_RED)}\n")
-        else:
-            write_note(text)

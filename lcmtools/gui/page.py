@@ -20,8 +20,7 @@ from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
-from lcmtools.gui.dead_man import TOO_LATE
-from lcmtools.gui.lateness import LATEST_ACTION, LATEST_DRIVE, Lateness
+from lcmtools.gui.dead_man import LATEST_ACTION, LATEST_DRIVE, TOO_LATE, Lateness
 from lcmtools.gui.protocol import (
     Frame,
     Json,

@@ -6,22 +6,72 @@ frames, thirty times a second by the wall clock. Programs that are not nodes get
 their subscriptions are unknown.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Generic, TypeVar
 
 from lcmtools import Node
 from lcmtools.clock import split_stamp
+from lcmtools.messages.codec import encode
+from lcmtools.messages.registry import Message
 from lcmtools.node.timer import Timer
 from lcmtools.types.geometry_msgs import Point
 from lcmtools.types.tf2_msgs import TFMessage
 from lcmtools.types.visualization_msgs import Marker, MarkerArray
 from lcmtools_sim.geometry import Frame, from_euler
-from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import MarkedPath, Scene
 from lcmtools_sim.sensors.sensor import transform_message
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Part, Shape, Sphere
 from lcmtools_sim.simulation import Simulation
 from lcmtools_sim.world import MovableObject
+
+_PERIOD = 0.1  # [s]; the longest delay for a new subscriber
+_REPEAT = 10  # periods
+
+MessageT = TypeVar("MessageT", bound=Message)
+
+
+class LatchedPublisher(Generic[MessageT]):
+    """Publishes a message to each new subscriber, and again from time to time.
+
+    ``make`` creates the message when it is needed. ``is_repeated`` is called once a second and
+    returns whether to publish it again.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        message_type: type[MessageT],
+        topic: str,
+        make: Callable[[], MessageT],
+        is_repeated: Callable[[], bool],
+    ) -> None:
+        self._publisher = node.create_publisher(message_type, topic)
+        self._publisher.is_latched = True
+        self._make, self._is_repeated = make, is_repeated
+        self._payload = b""
+        self._subscribers: frozenset[str] = frozenset()
+        self._count = 0
+        node.create_timer(_PERIOD, self._publish_if_due)
+
+    @property
+    def has_subscribers(self) -> bool:
+        """True while a node subscribes."""
+        return bool(self._subscribers)
+
+    def renew(self) -> None:
+        """Publish the message anew to all subscribers, because it has changed."""
+        self._payload, self._subscribers = b"", frozenset()
+
+    def _publish_if_due(self) -> None:
+        self._count += 1
+        subscribers = self._publisher.subscriber_ids()
+        is_time = self._count % _REPEAT == 0 and self._is_repeated()
+        if is_time or subscribers - self._subscribers:
+            self._payload = self._payload or encode(self._make())
+            self._publisher.publish_payload(self._payload)
+        self._subscribers = subscribers
+
 
 WORLD = "world"  # the frame of everything that does not move
 _GROUND_SIZE = (200.0, 200.0, 0.1)

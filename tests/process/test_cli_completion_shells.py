@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.completion.completion import install, plan
+from lcmtools.cli.completion.install import install, plan
 
 SHELLS = ("bash", "zsh", "fish")
 PROMPT = "READY> "

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from lcmtools.bag import stamps
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.play import Manner, play
-from lcmtools.bag.player import Position
-from lcmtools.bag.player_keys import KEYS_HELP
+from lcmtools.bag.player import KEYS_HELP, Position
 from lcmtools.bag.playlist import Choice
 from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (

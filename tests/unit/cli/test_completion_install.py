@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.cli.completion.completion import install, plan, script, shell_named, uninstall
+from lcmtools.cli.completion.install import install, plan, script, shell_named, uninstall
 from lcmtools.errors import LcmtoolsError, UsageError
 
 
