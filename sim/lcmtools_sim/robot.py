@@ -13,7 +13,7 @@ from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.drive import SideSpeeds, body_velocity, side_speeds
 from lcmtools_sim.engines.engine import Motion
 from lcmtools_sim.geometry import Frame, Pose, yaw_of
-from lcmtools_sim.held import HeldRobots, pulled
+from lcmtools_sim.in_engine import RobotsInEngine, pulled
 from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors import SENSORS
@@ -105,7 +105,7 @@ def _finite(field: str, value: float) -> float:
     return value
 
 
-Robots = Vehicles | HeldRobots  # several robots, whose states are arrays
+Robots = Vehicles | RobotsInEngine  # several robots, whose states are arrays
 Owner = Robots | World  # of a body
 _LEVEL = 1e-3  # [rad, m, m/s, rad/s] largest deviation that counts as standing on level ground
 
@@ -206,14 +206,14 @@ class Robot:
         """Return its body's motion, and that of one step ago."""
         if self.is_free:
             return planar_motions(*self.vehicles.row(self.index))
-        return (
-            self._owner.row(self._number) if isinstance(self._owner, HeldRobots) else self._motions
-        )
+        if isinstance(self._owner, RobotsInEngine):
+            return self._owner.row(self._number)
+        return self._motions
 
     @property
     def batch(self) -> tuple[Robots, int] | None:
         """Return the robots whose state arrays include this robot's, and its index there."""
-        if isinstance(self._owner, HeldRobots):
+        if isinstance(self._owner, RobotsInEngine):
             return self._owner, self._number
         is_one = not self.is_free or self.vehicles.is_single
         return None if is_one else (self.vehicles, self.index)
