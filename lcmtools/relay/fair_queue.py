@@ -10,6 +10,7 @@ import math
 import threading
 import time
 from collections import Counter, deque
+from dataclasses import dataclass
 from heapq import heapify, heappop, heapreplace
 from typing import Generic, NamedTuple, TypeVar
 
@@ -27,7 +28,8 @@ _AT_ONCE = 4096  # bytes that are taken for a line at a time
 ItemT = TypeVar("ItemT")
 
 
-class _Waiting(NamedTuple, Generic[ItemT]):
+@dataclass(slots=True)  # Python 3.10 has no generic NamedTuple
+class _Waiting(Generic[ItemT]):
     item: ItemT
     size: int
     due: float
