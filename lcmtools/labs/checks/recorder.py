@@ -37,8 +37,8 @@ MessageT = TypeVar("MessageT", bound=Message)
 class Recorder:
     """The messages of a lab's run, for one of its programs.
 
-    On a bus they come while the bench's node, the observer, spins; its checks ask for the program's
-    messages by ``record`` and ``record_command``. A log has all of them.
+    On a bus they come while the bench's node, the observer, spins; a check asks for those that only
+    it needs by ``receive``, ``record`` and ``record_command``. A log has all of them.
     """
 
     def __init__(self, lab: Lab, program: LabProgram, rate: float = 1.0) -> None:
@@ -69,10 +69,19 @@ class Recorder:
     def listen(self, node: Node) -> None:
         """Record the bus of a node, which is to spin."""
         self._node = node
-        self._subscribe(CLOCK_TOPIC, Clock)
-        self._subscribe(self.name("ground_truth"), Odometry)
-        self._subscribe(self.name(BUMPER), ContactsState)
-        self._subscribe(_LOG_TOPIC, LogMessage)
+        self.receive(CLOCK_TOPIC, Clock)
+        self.receive(self.name("ground_truth"), Odometry)
+        self.receive(self.name(BUMPER), ContactsState)
+        self.receive(_LOG_TOPIC, LogMessage)
+
+    def receive(self, topic: str, *message_types: type[Message]) -> None:
+        """Record a topic of the bus, too."""
+        assert self._node is not None
+
+        def take(message: Message) -> None:
+            self.take(topic, message, time.monotonic())
+
+        self._node.create_subscription(message_types, topic, take, DEPTH)
 
     def forget(self) -> None:
         """Discard everything recorded so far, but for the path."""
@@ -90,7 +99,7 @@ class Recorder:
     def record_command(self, *message_types: type[Message]) -> None:
         """Record the messages on the bus's topics that the program must publish."""
         for topic in self.program.publishes:
-            self._subscribe(topic, *message_types)
+            self.receive(topic, *message_types)
 
     def take(self, topic: str, message: Message, arrival: float) -> None:
         """Record a message that arrived at a time of the computer, or of a log [s]."""
@@ -130,14 +139,6 @@ class Recorder:
             self.warnings,
             path=self.path,
         )
-
-    def _subscribe(self, topic: str, *message_types: type[Message]) -> None:
-        assert self._node is not None
-
-        def take(message: Message) -> None:
-            self.take(topic, message, time.monotonic())
-
-        self._node.create_subscription(message_types, topic, take, DEPTH)
 
     def _update_time(self, message: Message) -> None:
         if isinstance(message, Clock):
