@@ -12,7 +12,7 @@ from fixtures.says import assert_says
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs import skeletons
-from lcmtools.packages import cmake as building
+from lcmtools.packages import cmake as cpp
 from lcmtools.packages.cmake import built_source, compiler_flags
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.wire.packet import Packet
@@ -133,8 +133,8 @@ def test_what_is_missing_to_build_a_program_is_said_in_its_row(missing, cli, tmp
     source = tmp_path / "moving_robot.cpp"
     source.write_text("int main() {}")
     monkeypatch.setattr(shutil, "which", lambda name: None if name == missing else f"/bin/{name}")
-    monkeypatch.setattr(building, "find_spec", lambda _: None)
-    monkeypatch.setattr(building, "_pkg_config_flags", lambda _: ())
+    monkeypatch.setattr(cpp, "find_spec", lambda _: None)
+    monkeypatch.setattr(cpp, "_pkg_config_flags", lambda _: ())
     result = cli("lab", "check", "dolly", "--mover", str(source))
     assert result.code == 1
     assert_says(result.out, "can be built", missing, "sudo apt install ", "0 of 1")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from fixtures.says import assert_line, assert_says
 
-from lcmtools.packages import cmake as building
+from lcmtools.packages import cmake as cpp
 
 RELAY = """\
 #include <lcmtools/node.hpp>
@@ -151,7 +151,7 @@ def test_types_of_a_folder_are_generated_and_follow_their_files(space, compiler,
     (project / "CMakeLists.txt").write_text(PROJECT.replace(" acme ", " acme acme.sense "))
     (project / "own.cpp").write_text(OWN % "old")
     options = [
-        f"-DCMAKE_PREFIX_PATH={building.cpp_folder()}",
+        f"-DCMAKE_PREFIX_PATH={cpp.cpp_folder()}",
         f"-DLCMTOOLS_PROGRAM={lcmtools_path}",
     ]
     assert build("-S", "project", "-B", "build", *options) == ""
@@ -181,13 +181,13 @@ def test_a_missing_program_is_named_with_its_package(missing, package, cli, monk
 
 
 def test_a_missing_liblcm_is_named(cli, monkeypatch):
-    monkeypatch.setattr(building, "find_spec", lambda _: None)
-    monkeypatch.setattr(building, "_pkg_config_flags", lambda _: ())
+    monkeypatch.setattr(cpp, "find_spec", lambda _: None)
+    monkeypatch.setattr(cpp, "_pkg_config_flags", lambda _: ())
     assert_line(cli("pkg", "cpp-path", "--flags").err, "liblcm", "liblcm-dev", "pip install lcm")
 
 
 def test_the_liblcm_of_the_system_comes_first(cli, monkeypatch):
-    monkeypatch.setattr(building, "_pkg_config_flags", lambda name: ("-I/opt/lcm", f"-l{name}"))
+    monkeypatch.setattr(cpp, "_pkg_config_flags", lambda name: ("-I/opt/lcm", f"-l{name}"))
     assert_says(cli("pkg", "cpp-path", "--flags").out, "-std=c++17", "-I/opt/lcm -llcm")
 
 
