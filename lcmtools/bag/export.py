@@ -65,7 +65,6 @@ class PictureFiles(AbstractContextManager["PictureFiles"]):
         _image(read_picture(message), self._form).save(path, self._form.upper())
 
     def _path(self, packet: Packet, time: int) -> Path:
-        """Return the path of a new file."""
         folder = self._folder / file_name(packet.channel)
         folder.mkdir(exist_ok=True)
         seconds, nanoseconds = split_stamp(time)

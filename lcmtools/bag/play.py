@@ -168,8 +168,6 @@ class _Session:
         wait_until(lambda: there <= {node.id for node in self._node.graph().nodes}, _ANSWERED)
 
     def wait_for_subscribers(self) -> None:
-        """Wait until each topic has a node that subscribes to it."""
-
         def missing() -> list[str]:
             return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
 
@@ -296,12 +294,10 @@ class _Watch(AbstractContextManager["_Watch"]):
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def __enter__(self) -> "_Watch":
-        """Begin to check."""
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Stop checking."""
         self._is_over.set()
         self._thread.join(timeout=1.0)
 
