@@ -13,7 +13,7 @@ from lcmtools import __version__
 from lcmtools.graph import protocol
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import encode
-from lcmtools.packages.cpp import compiler_flags, cpp_folder
+from lcmtools.packages.cmake import compiler_flags, cpp_folder
 from lcmtools.types import lcmtools_msgs as msgs
 
 _STRICT = ("-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsanitize=address,undefined")

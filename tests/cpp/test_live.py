@@ -29,7 +29,7 @@ from lcmtools.graph.protocol import (
     decode_announcement,
     encode_probe,
 )
-from lcmtools.packages.cpp import compiler_flags
+from lcmtools.packages.cmake import compiler_flags
 from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import SetBool

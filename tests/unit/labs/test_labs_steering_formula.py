@@ -5,7 +5,7 @@ from itertools import cycle, pairwise
 
 import pytest
 
-from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.path import DrivenPath, drive_cause
 from lcmtools.labs.checks.steering_formula import steering_cause
 from lcmtools.types.geometry_msgs import Twist
@@ -47,7 +47,7 @@ def run(angle, law=proportional, points=PATH, reach=0.4, delays=(0,)):
     are taken in turn. States that come meanwhile are not used.
     """
     x, y, heading, goal, speed, turn = -1.0, 0.0, 0.0, 0, 0.0, 0.0
-    drive, commands, periods = DrivenPath(PATH), list[CommandMessage](), cycle(delays)
+    drive, commands, periods = DrivenPath(PATH), list[ReceivedMessage](), cycle(delays)
     left = -1
     for time in (n / 50 for n in range(1500)):
         drive.add(TrueState(time, x, y, speed, turn, heading))
@@ -60,7 +60,7 @@ def run(angle, law=proportional, points=PATH, reach=0.4, delays=(0,)):
             speed, turn = wanted
             twist = Twist()
             twist.linear.x, twist.angular.z = wanted
-            commands.append(CommandMessage(time, "/RosAria/cmd_vel", twist))
+            commands.append(ReceivedMessage(time, "/RosAria/cmd_vel", twist))
         left -= 1
         # as 2*atan2(z, w) has it
         heading = math.remainder(heading + max(-4.0, min(4.0, turn)) / 50, 2 * math.tau)
@@ -187,7 +187,7 @@ def test_a_second_of_commands_is_too_little_to_tell():
 
 def test_commands_after_the_drive_tell_nothing():
     states, commands = run(MISTAKES[0][0])
-    late = [CommandMessage(states[-1].time + 1 + n / 50, "", Twist()) for n in range(3000)]
+    late = [ReceivedMessage(states[-1].time + 1 + n / 50, "", Twist()) for n in range(3000)]
     for one in late:
         assert isinstance(one.message, Twist)
         one.message.angular.z = 0.9

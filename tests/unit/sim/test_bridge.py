@@ -16,8 +16,8 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.bridge import Bridge
-from lcmtools_sim.drive_command import interpret
 from lcmtools_sim.mounted import Sample, Subscribers
+from lcmtools_sim.robot import interpret
 from lcmtools_sim.robots.husky import HUSKY
 
 
