@@ -1,7 +1,7 @@
-"""The kernel's interface: options of sockets, and Linux's table of all UDP sockets.
+"""The kernel's interface: options of sockets, and numbers of its namespaces.
 
 Everything here has a fallback for systems other than Linux: nothing is filtered, and answers are
-None or empty. Processes are in ``processes``.
+None or empty. The table of all sockets is in ``sockets``, processes are in ``processes``.
 """
 
 import contextlib
@@ -12,8 +12,7 @@ import sys
 import time
 import zlib
 from array import array
-from collections.abc import Iterator, Sequence
-from itertools import chain
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -56,17 +55,6 @@ _STAMPS = {8: struct.Struct("=ii"), 16: struct.Struct("=qq" if IS_LINUX else "=q
 
 _LITTLE_BYTES = 1 << 16
 _RETRANSMITS = 2  # index in struct tcp_info (linux/tcp.h): retransmissions without an answer
-_PIDFD_GETFD, _MCAST_MSFILTER = 438, 48  # asm-generic/unistd.h, linux/in.h
-_NETLINK_SOCK_DIAG, _SOCK_DIAG_BY_FAMILY = 4, 20
-_REQUEST_DUMP = 0x301  # NLM_F_REQUEST | NLM_F_DUMP
-_ERROR, _DONE = 2, 3
-_TYPE_OF_SERVICE, _MEMORY = 5, 7  # INET_DIAG_TOS, INET_DIAG_SKMEMINFO
-_ALL_STATES = 0xFFFFFFFF
-_HEADER = struct.Struct("=IHHII")  # struct nlmsghdr
-_ATTRIBUTE = struct.Struct("=HH")
-_REQUEST = struct.Struct("=BBBBI48x")  # struct inet_diag_req_v2
-_MESSAGE_BYTES, _INODE_OFFSET = 72, 68  # of struct inet_diag_msg
-_TIMEOUT = 0.2  # [s]
 
 
 def drop_what_is_late(connection: socket.socket, seconds: float) -> None:
@@ -290,82 +278,3 @@ def computer_id() -> int:
     except OSError:
         run = socket.gethostname().encode()
     return zlib.crc32(b"%d %s" % (own_network(), run))
-
-
-def receive_buffers() -> dict[int, int]:
-    """Return the size of each UDP socket's receive buffer [byte] by its inode."""
-    start = 4 * _MEMORY_LIMIT
-    found = chain(_attributes(_MEMORY), _attributes(_MEMORY, socket.AF_INET6))
-    sizes = ((i, int.from_bytes(row[start : start + 4], sys.byteorder)) for i, row in found)
-    return {inode: size for inode, size in sizes if size}
-
-
-def joined_interfaces(pid: int, inode: int, group: str) -> tuple[str, ...]:
-    """Return the interfaces on which a process's socket has joined a multicast group.
-
-    Empty if the system does not tell: it needs a copy of the socket, which root may get and, if
-    Yama allows it, the process's user (pidfd_getfd(2)).
-    """
-    import ctypes
-
-    if sys.platform != "linux":
-        return ()
-    libc = ctypes.CDLL(None, use_errno=True)
-    found: list[str] = []
-    with contextlib.suppress(OSError, StopIteration):
-        files = (Path("/proc") / str(pid) / "fd").iterdir()
-        number = next(int(f.name) for f in files if str(f.readlink()) == f"socket:[{inode}]")
-        process = os.pidfd_open(pid)
-        copy = libc.syscall(_PIDFD_GETFD, process, number, 0)
-        os.close(process)
-        if copy < 0:
-            return ()
-        for index, name in socket.if_nameindex():
-            # struct group_filter, which getsockopt reads; it fails without a membership
-            address = struct.pack("=HH4s", socket.AF_INET, 0, socket.inet_aton(group))
-            query = ctypes.create_string_buffer(struct.pack("@Ixxxx128sII", index, address, 0, 0))
-            size = ctypes.c_uint(len(query) - 1)
-            if not libc.getsockopt(copy, 0, _MCAST_MSFILTER, query, ctypes.byref(size)):
-                found.append(name)
-        os.close(copy)
-    return tuple(found)
-
-
-def marked_sockets(*marks: int) -> frozenset[int]:
-    """Return the inodes of the sockets with one of these marks; all marks: lcmtools' own."""
-    found = _attributes(_TYPE_OF_SERVICE)
-    return frozenset(inode for inode, value in found if value and value[0] in marks)
-
-
-def _attributes(kind: int, family: int = socket.AF_INET) -> Iterator[tuple[int, bytes]]:
-    """Yield inode and attribute of every UDP socket of this network namespace that has it.
-
-    One sock_diag(7) request, which any user may send, is answered with all sockets.
-    """
-    if sys.platform != "linux":
-        return
-    with (
-        contextlib.suppress(OSError, struct.error),
-        socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, _NETLINK_SOCK_DIAG) as kernel,
-    ):
-        kernel.settimeout(_TIMEOUT)
-        request = _REQUEST.pack(family, socket.IPPROTO_UDP, 1 << (kind - 1), 0, _ALL_STATES)
-        size = _HEADER.size + len(request)
-        kernel.send(_HEADER.pack(size, _SOCK_DIAG_BY_FAMILY, _REQUEST_DUMP, 1, 0) + request)
-        while data := kernel.recv(1 << 16):
-            for answer, body in _records(data, _HEADER):
-                if answer in (_DONE, _ERROR):
-                    return
-                value = dict(_records(body, _ATTRIBUTE, _MESSAGE_BYTES)).get(kind)
-                if value is not None:
-                    yield struct.unpack_from("=I", body, _INODE_OFFSET)[0], value
-
-
-def _records(data: bytes, header: struct.Struct, start: int = 0) -> Iterator[tuple[int, bytes]]:
-    """Yield kind and body of netlink's messages or attributes, whose headers begin equally."""
-    while start + header.size <= len(data):
-        size, kind, *_ = header.unpack_from(data, start)
-        if size < header.size:
-            return
-        yield kind, data[start + header.size : start + size]
-        start += (size + 3) & ~3

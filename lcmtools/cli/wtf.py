@@ -30,7 +30,6 @@ from lcmtools.doctor import report
 from lcmtools.doctor.collect import USUAL
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule, Severity
-from lcmtools.doctor.memory import Memory
 from lcmtools.doctor.rules import RULES, examine
 from lcmtools.folders import is_standard_output
 
@@ -88,6 +87,8 @@ def command(
     if watch:
         if save_to or load_from or bus_choice().logs:
             raise WrongUsage("--watch keeps running; leave out --save, --from and --bag")
+        from lcmtools.doctor.memory import Memory
+
         every = USUAL if wait is None else wait
         look = partial(look_once, every, as_json=as_json, at_least=every, memory=Memory())
         _watch(look, rules, as_json=as_json)

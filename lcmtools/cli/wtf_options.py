@@ -6,7 +6,7 @@ Wrong usage needs an exit code of its own, for 1 and 2 are warnings and errors o
 import os
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,13 +14,14 @@ from lcmtools.cli.bus import chosen_logs, chosen_url, log_observer, notify
 from lcmtools.cli.declare import option
 from lcmtools.cli.options import bus_choice
 from lcmtools.doctor.collect import USUAL, collect, unusable
-from lcmtools.doctor.doubt import in_doubt, shows_signs
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import Rule
-from lcmtools.doctor.memory import Memory
-from lcmtools.doctor.rules import RULES
+from lcmtools.doctor.rules import RULES, in_doubt, shows_signs
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.names import did_you_mean
+
+if TYPE_CHECKING:
+    from lcmtools.doctor.memory import Memory
 
 
 class WrongUsage(UsageError):  # noqa: N818 - named for what is wrong, as in errors.py
@@ -84,7 +85,7 @@ def judged_rules(named: Sequence[Rule]) -> Sequence[Rule]:
 
 
 def look_once(
-    listen: float | None, *, as_json: bool, at_least: float = 0.0, memory: Memory | None = None
+    listen: float | None, *, as_json: bool, at_least: float = 0.0, memory: "Memory | None" = None
 ) -> Evidence:
     """Return the evidence; in JSON a bus that the environment names wrongly is a finding too."""
     if logs := chosen_logs():

@@ -2,38 +2,35 @@
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from lcmtools.bus import kernel
-from lcmtools.bus.listeners import listening_sockets
 from lcmtools.bus.multicast import check_route
-from lcmtools.bus.processes import Process, buffer_overflows, is_local, process_of, usage_of
+from lcmtools.bus.processes import Process, buffer_overflows, is_local
 from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor import host as computer
-from lcmtools.doctor import lcm_processes
-from lcmtools.doctor.drops import BufferDrops
+from lcmtools.doctor import lcm_processes, receivers
 from lcmtools.doctor.evidence import (
     Evidence,
     HostClock,
-    Listener,
     SenderFacts,
     SimulatedClock,
     Stream,
 )
 from lcmtools.doctor.listening import Listening, target_rate
-from lcmtools.doctor.memory import Memory
-from lcmtools.doctor.notify_pipe import Waiting, hanging
 from lcmtools.errors import BusError, UsageError
-from lcmtools.graph.command_line import interpreter
 from lcmtools.graph.model import Graph, Node, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.actuators import unattended_commands
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SocketTable, is_gone, is_here, user_name
+from lcmtools.observe.reading.senders import is_gone, is_here, user_name
 from lcmtools.observe.simulators import publishes_time
+
+if TYPE_CHECKING:  # only --watch needs it
+    from lcmtools.doctor.memory import Memory
 
 _REQUESTS = 5  # for announcements at the end of a look, at most
 _MOST_LATE = 200  # nodes that have not answered; more are made up by a stranger
@@ -51,7 +48,7 @@ def collect(
     url: BusUrl,
     environment: Mapping[str, str],
     listen: float,
-    memory: Memory | None = None,
+    memory: "Memory | None" = None,
     in_doubt: Callable[[Evidence], bool] = never,
 ) -> Evidence:
     """Observe a bus for ``listen`` seconds, or for ``LONGER`` if that leaves it ``in_doubt``.
@@ -66,7 +63,7 @@ def collect(
         if url.is_multicast:
             check_route(url)  # lcmtools' programs would go on without one, others cannot
         with BusMonitor(url, "wtf", environment, whole=True) as monitor:
-            evidence = _observe(monitor, evidence, listen, memory or Memory(), in_doubt)
+            evidence = _observe(monitor, evidence, listen, memory, in_doubt)
     except BusError as error:
         return replace(evidence, bus_problem=error.what, bus_remedy=error.hint)
     processes = lcm_processes.with_topics(evidence.processes, evidence.graph)
@@ -91,19 +88,25 @@ def _observe(
     monitor: BusMonitor,
     evidence: Evidence,
     listen: float,
-    memory: Memory,
+    memory: "Memory | None",
     in_doubt: Callable[[Evidence], bool],
 ) -> Evidence:
     baseline = _Baseline.now(monitor)
     evidence = replace(evidence, before=baseline.graph)
     if driven := [odometry for _, _, odometry in unattended_commands(baseline.graph)]:
         monitor.listen_to(driven)  # a simulator publishes no odometry that nobody wants
+
+    def gathered(seconds: float) -> Evidence:
+        found = _gather(monitor, evidence, baseline, seconds)
+        return memory.recall(found) if memory else found
+
     _receive(monitor, baseline.listening, listen)
-    found = memory.recall(_gather(monitor, evidence, baseline, listen))
+    found = gathered(listen)
     if _LONG_ENOUGH <= listen < LONGER and in_doubt(found):
         _receive(monitor, baseline.listening, LONGER - listen)
-        found = memory.recall(_gather(monitor, evidence, baseline, LONGER))
-    memory.remember(found)
+        found = gathered(LONGER)
+    if memory:
+        memory.remember(found)
     return found
 
 
@@ -111,9 +114,8 @@ def _observe(
 class _Baseline:  # the state of the bus and of this computer at the start of a look
     graph: Graph
     table: SocketTable
-    on_bus: frozenset[int]  # the inodes of the sockets that receive from it
     times: Mapping[int, tuple[int, int]]  # computing and waiting time by process [ns]
-    waiting: Mapping[int, Waiting]  # the messages that wait for each listener
+    waiting: Mapping[int, receivers.Waiting]  # the messages that wait for each listener
     overflows: int
     listening: Listening
     time: float
@@ -121,19 +123,18 @@ class _Baseline:  # the state of the bus and of this computer at the start of a 
     @classmethod
     def now(cls, monitor: BusMonitor) -> "_Baseline":
         monitor.ask()
-        table, on_bus = _sockets(monitor.url)
+        table = _sockets(monitor.url)
         pids = {process.pid for process in table.holders.values()} - {os.getpid()}
-        times, now = {pid: lcm_processes.processor_times(pid) for pid in pids}, time.monotonic()
-        listeners = {table.holders[inode].pid for inode in on_bus if inode in table.holders}
-        waiting = {pid: Waiting.of(pid) for pid in listeners - {os.getpid()}}
+        times, now = {pid: Process(pid).processor_times for pid in pids}, time.monotonic()
+        waiting = receivers.waiting(table, table.listening(monitor.url))
         graph = monitor.settle(foreign=False)
         listening = Listening(monitor.types_of, port=monitor.url.port)
         overflows = buffer_overflows()
-        return cls(graph, table, on_bus, times, waiting, overflows, listening, now)
+        return cls(graph, table, times, waiting, overflows, listening, now)
 
     def spent(self) -> dict[int, tuple[int, int]]:
         """Return each process's computing and waiting time since the start [ns]."""
-        now = {pid: lcm_processes.processor_times(pid) for pid in self.times}
+        now = {pid: Process(pid).processor_times for pid in self.times}
         return {
             pid: (now[pid][0] - computed, now[pid][1] - waited)
             for pid, (computed, waited) in self.times.items()
@@ -147,7 +148,7 @@ def _gather(
     listening = baseline.listening
     after = _with_ended(_refreshed_graph(monitor, listening, listen))
     overflows = buffer_overflows() - baseline.overflows
-    later, still_on_bus = _sockets(monitor.url)
+    later = _sockets(monitor.url)
     seconds, spent = time.monotonic() - baseline.time, baseline.spent()
     busy = {pid: (computed + waited) / 1e9 / seconds for pid, (computed, waited) in spent.items()}
     # a process that is stopped and continued repeatedly misses nothing
@@ -156,8 +157,8 @@ def _gather(
     nodes = {node.id: node for node in (*baseline.graph.nodes, *after.nodes)}
     names = lcm_processes.ProgramNames(monitor, listening, nodes.values(), later)
     ports = {sender.port for sender in monitor.tap.sequences} if monitor.tap else set()
-    known = later.rows.values(), later.holders, ports
-    processes = () if monitor.is_log else lcm_processes.lcm_processes(monitor.url, *known)
+    is_log = monitor.is_log
+    processes = () if is_log else lcm_processes.lcm_processes(monitor.url, later, ports)
     return replace(
         evidence,
         graph=_without_departed(after, baseline.graph),
@@ -168,7 +169,9 @@ def _gather(
         streams=tuple(_named(one, names, baseline.table) for one in listening.streams()),
         listeners=tuple(
             replace(one, state="") if one.pid in running else one
-            for one in _listeners(baseline, still_on_bus, names, overflows, monitor.url.host)
+            for one in receivers.listeners(
+                monitor.url, baseline.table, baseline.waiting, names, overflows
+            )
         ),
         oddities=listening.oddities(names.name),
         frames=listening.frames(names.name),
@@ -234,13 +237,7 @@ def _may_answer(node: Node, begin: Mapping[str, int]) -> bool:
     is_old = node.stale or node.sent == begin.get(node.id)
     if not is_old or node.stale is Staleness.ENDED or node.is_hidden:
         return False
-    return not (is_here(node) and lcm_processes.state_of(node.pid) in ("", "T", "t"))
-
-
-def _sockets(url: BusUrl) -> tuple[SocketTable, frozenset[int]]:
-    """Return this computer's UDP sockets, and the inodes of those that receive from the bus."""
-    table = SocketTable.read() if url.is_multicast else SocketTable({}, {})
-    return table, listening_sockets(url)
+    return not (is_here(node) and Process(node.pid).state in ("", "T", "t"))
 
 
 def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[SenderFacts, ...]:
@@ -266,9 +263,13 @@ def _senders(monitor: BusMonitor, names: lcm_processes.ProgramNames) -> tuple[Se
     return tuple(facts)
 
 
+def _sockets(url: BusUrl) -> SocketTable:
+    return SocketTable.read() if url.is_multicast else SocketTable()
+
+
 def _age(process: Process | None) -> float:
     # [s] since it started; 0 if unknown
-    usage = usage_of(process.pid) if process else None
+    usage = process.usage() if process else None
     return max(0.0, (time.time_ns() - usage.start_time) / 1e9) if usage else 0.0
 
 
@@ -293,59 +294,6 @@ def _clocks(graph: Graph) -> tuple[HostClock, ...]:
             place = node.host, node.sender.computer if node.sender else ""
             lags.setdefault(place, {})[node.name] = node.lag / 1e9
     return tuple(HostClock(*place, min(of.values()), tuple(of)) for place, of in lags.items())
-
-
-def _listeners(
-    baseline: _Baseline,
-    still_on_bus: frozenset[int],
-    names: lcm_processes.ProgramNames,
-    overflows: int,
-    group: str,
-) -> tuple[Listener, ...]:
-    buffers, before, after = kernel.receive_buffers(), baseline.table, names.table
-    # a channel socket's kernel counters mean nothing: its filter drops nearly everything
-    selective = kernel.marked_sockets(kernel.SELECTIVE)
-    unfiltered = kernel.marked_sockets(kernel.UNFILTERED)
-    filtered = selective | kernel.marked_sockets(kernel.SUBSCRIBED, kernel.UNFILTERED)
-    drops = BufferDrops(before.rows, after.rows, filtered, overflows)
-    hung = hanging(baseline.waiting)
-    found = []
-    for inode in (baseline.on_bus & still_on_bus) - selective:
-        row, earlier = after.rows.get(inode), before.rows.get(inode)
-        process = after.holders.get(inode)
-        if row is None or earlier is None or (process and process.pid == os.getpid()):
-            continue
-        if process and process_of(process.pid) is None:  # it was killed meanwhile
-            continue
-        if process and lcm_processes.never_reads(process.pid):
-            continue
-        nodes = names.by_pid.get(process.pid, []) if process else []
-        found.append(
-            Listener(
-                names.of_process(process) if process else f"a program of {user_name(row.uid)}",
-                process.pid if process else None,
-                row.uid,
-                drops=drops.of(inode, buffers.get(inode)),
-                queued_bytes=row.queued_bytes,
-                was_queued_bytes=earlier.queued_bytes,
-                buffer_bytes=buffers.get(inode),
-                state=lcm_processes.state_of(process.pid) if process else "",
-                is_tool=process is not None and _is_tool(process, nodes),
-                is_node=bool(nodes),
-                joined=kernel.joined_interfaces(process.pid, inode, group) if process else (),
-                interpreter=interpreter(process.command) if process else "",
-                is_unfiltered=inode in unfiltered,
-                hangs=process is not None and process.pid in hung,
-            )
-        )
-    return tuple(sorted(found, key=lambda listener: (listener.pid or 0, listener.name)))
-
-
-def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
-    """Return whether a process is a command of lcmtools. Its filter drops datagrams on purpose."""
-    if nodes:
-        return all(node.tool for node in nodes)
-    return any(Path(word).name == "lcmtools" for word in process.command.split()[:3])
 
 
 def clock_of(

@@ -1,6 +1,8 @@
 """The state of this computer that affects a bus, read from /proc and /sys if these exist.
 
-Belongs here: everything that ``wtf`` reads besides the bus. Must not judge.
+Belongs here: everything that ``wtf`` reads besides the bus, and the messages that it sends to
+itself, to test whether they arrive. Programs on the bus receive only LCM's usual self test: the
+large message goes to a free port, with ttl 0. Must not judge.
 """
 
 import contextlib
@@ -19,16 +21,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lcmtools.bus.network_watch import route_interface
-from lcmtools.bus.processes import network_counter, sockets_are_known
+from lcmtools.bus.processes import PROC, network_counter
+from lcmtools.bus.sockets import joined, sockets_are_known
 from lcmtools.bus.url import BusUrl, choose_url, misread_options
 from lcmtools.doctor.evidence import Host
-from lcmtools.doctor.self_test import LARGE_BYTES, large_problem, send_problem
 from lcmtools.errors import LcmtoolsError
 
 if TYPE_CHECKING:
     from lcmtools.doctor.firewall import Traffic
 
-_PROC, _NET = Path("/proc"), Path("/sys/class/net")
+import select
+
+from lcmtools.bus.multicast import (
+    check_multicast,
+    check_route,
+    check_sending,
+    receiving_socket,
+    sending_socket,
+)
+from lcmtools.errors import BusError
+from lcmtools.wire.datagram import fragments
+
+_NET = Path("/sys/class/net")
 _UP, _RUNNING, _MULTICAST = 0x1, 0x40, 0x1000  # linux/if.h
 _WORKS = _UP | _RUNNING | _MULTICAST
 _GET_FLAGS = 0x8913  # linux/sockios.h; /sys may show another network's interfaces
@@ -44,18 +58,18 @@ def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
     interface = route_interface(url.host) if url.is_multicast else ""
     folder = _NET / interface if interface else Path("/nonexistent")
     flags = _flags(interface or "lo") if url.is_multicast else _WORKS  # where a route would lead
-    filters = _PROC / "sys/net/ipv4/conf"
+    filters = PROC / "sys/net/ipv4/conf"
     return Host(
         uid=os.getuid(),
         interface=interface,
         is_up=bool(flags & _UP),
         can_multicast=bool(flags & _MULTICAST) or not interface,
         has_link=bool(flags & _RUNNING) or not interface,
-        joined=_joined(url.host) if url.is_multicast else (),
+        joined=joined(url.host) if url.is_multicast else (),
         rp_filter=max(_number(filters / one / "rp_filter") for one in ("all", interface or "all")),
         speed_mbit=max(0, _number(folder / "speed")),
         is_wireless=(folder / "wireless").exists(),
-        most_receive_buffer=_number(_PROC / "sys/net/core/rmem_max"),
+        most_receive_buffer=_number(PROC / "sys/net/core/rmem_max"),
         container=_container(),
         environment=(*_environment(environment), *misread_options(url)),
         has_sockets=sockets_are_known(),
@@ -93,7 +107,7 @@ def silent_bridge(interface: str) -> str:
 
 def _flags(interface: str) -> int:
     """Return an interface's flags; those of a working one if unknown."""
-    if not _PROC.joinpath("net/route").exists():
+    if not PROC.joinpath("net/route").exists():
         return _WORKS
     with contextlib.suppress(OSError), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         request = struct.pack("16s16x", interface.encode())
@@ -102,7 +116,7 @@ def _flags(interface: str) -> int:
 
 
 def _routed_interfaces() -> set[str]:
-    rows = text_of(_PROC / "net/route").splitlines()[1:]
+    rows = text_of(PROC / "net/route").splitlines()[1:]
     return {columns[0] for row in rows if (columns := row.split())}
 
 
@@ -116,20 +130,8 @@ def rp_filter_drops() -> int:
     return network_counter("netstat", "TcpExt:", "IPReversePathFilter")
 
 
-def _joined(group: str) -> tuple[str, ...]:
-    packed = f"{struct.unpack('=I', socket.inet_aton(group))[0]:08X}"
-    found, interface = [], ""
-    for line in text_of(_PROC / "net/igmp").splitlines()[1:]:
-        columns = line.split()
-        if columns and not line[0].isspace():
-            interface = columns[1].rstrip(":")
-        elif columns and columns[0] == packed:
-            found.append(interface)
-    return tuple(found)
-
-
 def _container() -> str:
-    if "microsoft" in text_of(_PROC / "version").lower():
+    if "microsoft" in text_of(PROC / "version").lower():
         return "WSL"
     files = (Path("/.dockerenv"), Path("/run/.containerenv"))
     return "container" if any(file.exists() for file in files) else ""
@@ -227,3 +229,49 @@ def _number(file: Path) -> int:
     with contextlib.suppress(ValueError):
         return int(text_of(file) or 0)  # int("") may lose a Ctrl-C
     return 0
+
+
+LARGE_BYTES = 300_000  # the size of the large message: five datagrams, as an image
+_CHANNEL = "/_lcmtools/self_test"
+_TIMEOUT = 0.5  # [s] for one datagram, which takes well under a millisecond
+_LARGEST_DATAGRAM = 65_535  # bytes
+
+
+def large_problem(url: BusUrl) -> str:
+    """Return the reason why a large message does not come back to this computer; "" if it does.
+
+    Each datagram is read before the next one is sent, so that the size of the buffer
+    does not matter.
+    """
+    try:
+        check_route(url)
+        check_multicast(url)
+    except BusError:
+        return ""  # not even a small one does, which is another fault
+    try:
+        free_port = url._replace(port=0)
+        with receiving_socket(free_port, is_brief=True) as receiver, sending_socket(url) as sender:
+            sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+            address = (url.host, receiver.getsockname()[1])
+            parts = list(fragments(0, _CHANNEL, bytes(LARGE_BYTES)))
+            for number, part in enumerate(parts, start=1):
+                sender.sendto(part, address)
+                has_come = select.select([receiver], [], [], _TIMEOUT)[0]
+                if not has_come or receiver.recv(_LARGEST_DATAGRAM) != part:
+                    return f"part {number} of {len(parts)}, {len(part)} bytes, is lost"
+    except BusError as error:
+        return error.what
+    except OSError as error:
+        if error.errno == errno.EMSGSIZE:
+            return "the system does not send datagrams as large as LCM's"
+        return f"{error.strerror}"
+    return ""
+
+
+def send_problem(url: BusUrl) -> tuple[str, str]:
+    """Return the reason why nothing can be sent with the bus's ttl, and a remedy; else ""."""
+    try:
+        check_sending(url)
+    except BusError as error:
+        return error.what, error.hint
+    return "", ""

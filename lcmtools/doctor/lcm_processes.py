@@ -13,23 +13,22 @@ from ipaddress import IPv4Address
 from itertools import chain
 from pathlib import Path
 
-from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, marked_sockets
-from lcmtools.bus.processes import Process, UdpSocket, process_of, shows_own_pids, uses_lcm
+from lcmtools.bus.kernel import ANNOUNCED, SELECTIVE, SUBSCRIBED, own_network
+from lcmtools.bus.processes import PROC, Process, running
 from lcmtools.bus.records import recorded_pids
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl, choose_url, parse_url
 from lcmtools.doctor.connecting import unconnected_ends
 from lcmtools.doctor.evidence import LcmProcess, Stream
-from lcmtools.doctor.host import text_of
 from lcmtools.doctor.listening import Listening
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Graph, Node, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_here, nodes_by_pid
+from lcmtools.observe.reading.senders import SenderNames, is_here, nodes_by_pid
 from lcmtools.wire.packet import Sender
 
-_PROC = Path("/proc")
 _KNOWN_GROUPS = frozenset({"224.0.0.251", "239.255.255.250", "224.0.0.252"})  # mDNS, SSDP, LLMNR
 _VARIABLES = ("LCM_DEFAULT_URL", "LCMTOOLS_DOMAIN")
 _URL = re.compile(r"\b(?:udpm|mpudpm|tcpq|memq)://[\w.:?=&-]*")
@@ -38,82 +37,59 @@ _MOST_BUSES = 3  # other buses that are observed
 _LISTEN, _MOST_LISTENS = 0.2, 6  # [s] to another bus; 1.2 s in all show what is sent at 1 Hz
 
 
-def state_of(pid: int) -> str:
-    """Return a process's state as in ps; "" if it has ended."""
-    return text_of(_PROC / str(pid) / "stat").rpartition(")")[2].strip()[:1]
-
-
-def processor_times(pid: int) -> tuple[int, int]:
-    """Return the times that a process's threads computed and waited for a processor [ns]."""
-    files = (_PROC / str(pid) / "task").glob("*/schedstat")
-    rows = [row for file in files if len(row := text_of(file).split()) > 1]
-    return sum(int(row[0]) for row in rows), sum(int(row[1]) for row in rows)
-
-
-def never_reads(pid: int) -> bool:
-    """Return whether a process only sends, although it has a socket that receives.
-
-    lcm.jar has a socket that receives even for sending, and starts the thread that reads it with
-    the first subscription.
-    """
-    if Path(text_of(_PROC / str(pid) / "cmdline").partition("\0")[0]).name != "java":
-        return False
-    names = [text_of(file) for file in (_PROC / str(pid) / "task").glob("*/comm")]
-    return not any(name.startswith("Thread-") for name in names)
-
-
-def lcm_processes(
-    url: BusUrl, sockets: Iterable[UdpSocket], holders: Mapping[int, Process], seen: set[int]
-) -> tuple[LcmProcess, ...]:
+def lcm_processes(url: BusUrl, table: SocketTable, seen: set[int]) -> tuple[LcmProcess, ...]:
     """Return the processes of this user that use LCM, with their buses.
 
     A process that joins a multicast group is on that bus. A process that only sends is on this bus
     if its port is one of ``seen``; else its arguments, variables or code name its bus, as for a
     process without UDP.
     """
-    own, marked = os.getuid(), marked_sockets(ANNOUNCED, SELECTIVE, SUBSCRIBED)
-    held = ((holders[one.inode].pid, one) for one in sockets if one.inode in holders)
-    mine = [(pid, row) for pid, row in held if row.uid == own and pid != os.getpid()]
-    buses: dict[int, str] = {}
-    sending: dict[int, set[int]] = {}
-    for pid, row in mine:
+    own, marked = os.getuid(), table.marked(ANNOUNCED, SELECTIVE, SUBSCRIBED)
+    held = ((table.holders.get(inode), row) for inode, row in table.rows.items())
+    mine = [(one, row) for one, row in held if one and row.uid == own and one.pid != os.getpid()]
+    buses: dict[Process, str] = {}
+    sending: dict[Process, set[int]] = {}
+    for one, row in mine:
         multicast = IPv4Address(row.address).is_multicast and row.address not in _KNOWN_GROUPS
         if row.port == url.port and (row.address == url.host or not multicast):
-            buses[pid] = ""
+            buses[one] = ""
         elif not multicast:
-            sending.setdefault(pid, set()).add(row.port)
+            sending.setdefault(one, set()).add(row.port)
         # lcmtools' sockets are marked; for Java only the command line can tell, which is a guess
-        elif row.inode in marked or "lcm" in holders[row.inode].command or uses_lcm(pid):
-            said = _named_bus(pid, url)  # one without a port is no bus, although a socket has one
-            buses.setdefault(pid, said if _is_faulty(said) else f"{row.address}:{row.port}")
+        elif row.inode in marked or "lcm" in one.command or one.uses_lcm:
+            said = _named_bus(one, url)  # one without a port is no bus, although a socket has one
+            buses.setdefault(one, said if _is_faulty(said) else f"{row.address}:{row.port}")
     guessed = set()
-    for pid, ports in sending.items():
-        if pid not in buses and uses_lcm(pid):
-            code = "" if _argument_url(pid) or _variables(pid) else _code_url(pid)
-            buses[pid] = "" if ports & seen else _named_bus(pid, url, code)
-            guessed |= {pid} if code else set()
-    without_udp = _pids_of(own) - {pid for pid, _ in mine} - {os.getpid()}
-    named = {pid: bus for pid in without_udp if "://" in (bus := _named_bus(pid, url))}
+    for one, ports in sending.items():
+        if one not in buses and one.uses_lcm:
+            code = "" if _argument_url(one) or _variables(one) else _code_url(one)
+            buses[one] = "" if ports & seen else _named_bus(one, url, code)
+            guessed |= {one.pid} if code else set()
+    known = {one.pid for one, _ in mine} | {os.getpid()}
+    others = (one for one in running() if one.pid not in known and one.uid == own)
+    without_udp = (one for one in others if one.network == own_network())
+    named = {one: bus for one in without_udp if "://" in (bus := _named_bus(one, url))}
     recorded = recorded_pids(os.environ) if named else ()
-    buses |= {pid: bus for pid, bus in named.items() if pid in recorded or uses_lcm(pid)}
-    ordered = sorted(buses.items())
-    return tuple(replace(_lcm_process(pid, bus), is_guess=pid in guessed) for pid, bus in ordered)
+    buses |= {one: bus for one, bus in named.items() if one.pid in recorded or one.uses_lcm}
+    return tuple(
+        LcmProcess(
+            one.pid,
+            shortened(one.command or " ".join(one.words).strip(), LONGEST_COMMAND),
+            bus,
+            next((f"{name}={value}" for name, value in _variables(one).items()), ""),
+            len(table.files.get(one.pid, ())),
+            _most_files(one.pid),
+            one.state,
+            is_guess=one.pid in guessed,
+        )
+        for one, bus in sorted(buses.items(), key=lambda item: item[0].pid)
+    )
 
 
-def _pids_of(user: int) -> set[int]:
-    found = set()  # in this network namespace
-    for folder in _PROC.glob("[0-9]*") if shows_own_pids() else ():
-        with contextlib.suppress(OSError):
-            is_here = (folder / "ns/net").samefile(_PROC / "self/ns/net")
-            if is_here and folder.stat().st_uid == user:
-                found.add(int(folder.name))
-    return found
-
-
-def _named_bus(pid: int, url: BusUrl, code: str = "") -> str:
+def _named_bus(process: Process, url: BusUrl, code: str = "") -> str:
     """Return the other bus in a process's arguments, variables or code: HOST:PORT, or a URL."""
-    variables = _variables(pid)
-    written = _argument_url(pid) or code
+    variables = _variables(process)
+    written = _argument_url(process) or code
     try:
         named, _ = choose_url(written, "", variables)
     except LcmtoolsError:  # a URL without a port, for example
@@ -130,40 +106,34 @@ def _is_faulty(bus: str) -> bool:
     return True
 
 
-def _argument_url(pid: int) -> str:
-    found = _URL.search(text_of(_PROC / str(pid) / "cmdline"))
-    return found[0] if found else ""
+def _argument_url(process: Process) -> str:
+    found = (_URL.search(word) for word in process.words)
+    return next((match[0] for match in found if match), "")
 
 
-def _code_url(pid: int) -> str:
+def _code_url(process: Process) -> str:
     """Return the only URL of a bus in a process's script or executable; "" for none or several."""
-    program, *words = text_of(_PROC / str(pid) / "cmdline").split("\0")
+    program, *words = process.words
     script = next((word for word in words if word and not word.startswith("-")), "")
-    folder = _PROC / str(pid)
+    folder = PROC / str(process.pid)
     file = folder / "cwd" / script if "python" in Path(program).name else folder / "exe"
     with contextlib.suppress(OSError):  # the process may end meanwhile
         if file.stat().st_size < _MOST_CODE:
-            urls = set(_URL.findall(text_of(file)))
+            urls = set(_URL.findall(file.read_text(errors="replace")))
             return str(urls.pop()) if len(urls) == 1 else ""
     return ""
 
 
-def _variables(pid: int) -> dict[str, str]:
-    entries = text_of(_PROC / str(pid) / "environ").split("\0")
-    pairs = dict(entry.partition("=")[::2] for entry in entries if entry)
-    return {name: pairs[name] for name in _VARIABLES if pairs.get(name)}
+def _variables(process: Process) -> dict[str, str]:
+    known = process.environment
+    return {name: known[name] for name in _VARIABLES if known.get(name)}
 
 
-def _lcm_process(pid: int, bus: str) -> LcmProcess:
-    process = process_of(pid)
-    open_files = most = 0
+def _most_files(pid: int) -> int:
     with contextlib.suppress(OSError):
         if sys.platform == "linux":
-            most = max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
-        open_files = sum(1 for _ in (_PROC / str(pid) / "fd").iterdir())
-    command = shortened(process.command, LONGEST_COMMAND) if process else ""
-    variable = next((f"{name}={value}" for name, value in _variables(pid).items()), "")
-    return LcmProcess(pid, command, bus, variable, open_files, most, state_of(pid))
+            return max(0, resource.prlimit(pid, resource.RLIMIT_NOFILE)[0])
+    return 0
 
 
 def with_topics(processes: Iterable[LcmProcess], graph: Graph) -> tuple[LcmProcess, ...]:
@@ -233,7 +203,7 @@ class ProgramNames:
     ) -> None:
         self.table = table
         self.by_pid = nodes_by_pid(nodes, table.holders.values())
-        self.senders = SenderNames(lambda _: table, called=self.of_process)
+        self.senders = SenderNames(lambda: table, called=self.of_process)
         seen = {one.sender for one in listening.streams()}
         tap = monitor.tap
         self.senders.update(seen | set(tap.sequences) | set(tap.malformed) if tap else seen)

@@ -24,16 +24,17 @@ from lcmtools.messages.message_time import UNITS, MessageTime, message_time
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.names import is_hidden, namespace_of
 from lcmtools.observe.reading.decoding import Decoder, UnknownFingerprint
-from lcmtools.types.rosgraph_msgs import Clock, Log
 from lcmtools.wire.packet import Packet, Sender
 
 if TYPE_CHECKING:  # these imports are slow, and most looks do not need them
     from lcmtools.graph.relay_report import Link
+    from lcmtools.types.rosgraph_msgs import Clock, Log
     from lcmtools.types.tf2_msgs import TFMessage
 
 _LOG = "/rosout"
+_CLOCK, _LOGGED = "rosgraph_msgs/Clock", "rosgraph_msgs/Log"
 _TRANSFORMS = "tf2_msgs/TFMessage"
-_LEVELS = {Log.WARN: "warning", Log.ERROR: "error", Log.FATAL: "fatal"}
+_LEVELS = {4: "warning", 8: "error", 16: "fatal"}  # rosgraph_msgs/Log
 _PARTS = 5  # of a look, whose rates of simulated time are compared
 _CLOCK_SPAN = 0.3  # [s] of ticks are enough for the rate of simulated time
 _MOST_TIMES = 5000
@@ -87,7 +88,7 @@ class _Stream:
 
 
 class Listening:
-    """The evidence in messages as they arrive.
+    """The evidence in messages as they arrive, of the streams that came first if there are many.
 
     ``types_of`` returns the announced types of a topic; ``share`` is the share of the time that
     decoding may take. Several programs may send from ``port``, that of the bus, as of Java.
@@ -124,19 +125,17 @@ class Listening:
                 self.relays.add_report(packet.payload)
             return
         key = (packet.channel, packet.sender)
-        stream = self._streams.get(key) or _Stream()
-        if len(stream.times) < _MOST_TIMES:
-            stream.times.append(packet.time)
-        stream.largest = max(stream.largest, packet.size)
-        stream.bytes += packet.size
-        if packet.sender and packet.sender.port == self._port and packet.seqno is not None:
-            stream.take_number(packet.seqno)
-        self._compare(packet, stream)
-        self._streams.put(key, stream, stream.size())
+        stream = self._streams.use(key)
+        if stream is None and len(self._streams) < _MOST_STREAMS:
+            stream = _Stream()
+        if stream is not None:
+            self._count(packet, stream)
+            self._streams.put(key, stream, stream.size())
         try:
             cls = self._class_of(packet)  # loading a type does not count as decoding
         except LcmtoolsError:  # unknown type
-            self._inspect_unknown(packet, stream)
+            if stream is not None:
+                self._inspect_unknown(packet, stream)
             return
         now = time.monotonic()
         has_time = self._spent <= self._share * (now - self._start) + 0.05
@@ -226,9 +225,18 @@ class Listening:
             raise found
         return found
 
+    def _count(self, packet: Packet, stream: _Stream) -> None:
+        if len(stream.times) < _MOST_TIMES:
+            stream.times.append(packet.time)
+        stream.largest = max(stream.largest, packet.size)
+        stream.bytes += packet.size
+        if packet.sender and packet.sender.port == self._port and packet.seqno is not None:
+            stream.take_number(packet.seqno)
+        self._compare(packet, stream)
+
     def _compare(self, packet: Packet, stream: _Stream) -> None:
         """Note whether the same message came before, from the same or another sender."""
-        known = self._compared.get(packet.channel) or {}
+        known = self._compared.use(packet.channel) or {}
         self._compared.put(packet.channel, known, _ENTRY * len(known))
         for memory in (known, stream.numbered):
             if len(memory) >= _MOST_COMPARED:
@@ -261,29 +269,33 @@ class Listening:
         except DecodeError as error:
             self._add_oddity("undecodable", key, str(error))
             return
-        if packet.channel == CLOCK_TOPIC and isinstance(message, Clock):
-            simulated = join_stamp(message.clock.sec, message.clock.nsec)
-            self.clock_ticks.append((packet.time, simulated))
+        kind = type_name(message)
+        if kind == _CLOCK and packet.channel == CLOCK_TOPIC:
+            stamp = cast("Clock", message).clock
+            self.clock_ticks.append((packet.time, join_stamp(stamp.sec, stamp.nsec)))
             self.clock_sender = packet.sender
             self._clocks |= {packet.sender} if len(self._clocks) <= 1 else set()
-        if isinstance(message, Log) and message.level in _LEVELS:
-            text = message.msg.strip().partition("\n")[0][:_LOG_CHARACTERS]
-            entry = message.name, _LEVELS[message.level], text
-            if entry in self._logs or len(self._logs) < _MOST_LOGS:
-                self._logs[entry] += 1
-        self._add_frames(packet, message)
+        elif kind == _LOGGED:
+            self._add_log(cast("Log", message))
+        elif kind == _TRANSFORMS:
+            self._add_frames(packet, cast("TFMessage", message))
         odd = list(oddities(message))
         for kind, text in odd:
             self._add_oddity(kind, key, text)
         if not any(kind == "nsec" for kind, _ in odd):
             self._check_stamp(message, packet.time, key)
 
-    def _add_frames(self, packet: Packet, message: Message) -> None:
-        if type_name(message) == _TRANSFORMS:
-            tree, transforms = namespace_of(packet.channel), cast("TFMessage", message).transforms
-            for one in transforms[: _MOST_FRAMES - len(self._frames)]:
-                names = one.child_frame_id.strip("/"), one.header.frame_id.strip("/")
-                self._frames.setdefault((tree, *names), packet.sender)
+    def _add_log(self, log: "Log") -> None:
+        text = log.msg.strip().partition("\n")[0][:_LOG_CHARACTERS]
+        entry = log.name, _LEVELS.get(log.level, ""), text
+        if entry[1] and (entry in self._logs or len(self._logs) < _MOST_LOGS):
+            self._logs[entry] += 1
+
+    def _add_frames(self, packet: Packet, message: "TFMessage") -> None:
+        tree = namespace_of(packet.channel)
+        for one in message.transforms[: _MOST_FRAMES - len(self._frames)]:
+            names = one.child_frame_id.strip("/"), one.header.frame_id.strip("/")
+            self._frames.setdefault((tree, *names), packet.sender)
 
     def _check_stamp(self, message: Message, arrival: int, key: _Key) -> None:
         found = message_time(message)

@@ -7,13 +7,13 @@ not in ``OF_LOGS``.
 import math
 from dataclasses import replace
 
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.doctor.collect import clock_of
 from lcmtools.doctor.evidence import Evidence, SenderFacts
 from lcmtools.doctor.lcm_processes import ProgramNames
 from lcmtools.doctor.listening import Listening
 from lcmtools.observe.reading.monitor import BusMonitor
-from lcmtools.observe.reading.senders import SocketTable
 from lcmtools.observe.reading.sources import LogObserver
 
 OF_LOGS = frozenset(
@@ -37,7 +37,7 @@ def collect_log(observer: LogObserver) -> Evidence:
             first = first or packet.time
             listening.add_packet(packet)
         graph = monitor.graph()
-        names = ProgramNames(monitor, listening, graph.nodes, SocketTable({}, {}))
+        names = ProgramNames(monitor, listening, graph.nodes, SocketTable())
         return Evidence(
             str(url),
             graph=graph,

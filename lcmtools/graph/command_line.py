@@ -1,49 +1,44 @@
 """The names of programs, from their command lines as the system shows them.
 
-What only starts a program is seen through: an interpreter with its options, ``env``, ``uv run``.
-Must not know processes: a command line is a text, in which arguments with spaces look like several.
+What only starts a program is left out: variables, ``env``, ``uv run``, an interpreter and their
+options. Must not know processes: a command line is a text, in which arguments with spaces look like
+several.
 """
 
 import re
-from collections.abc import Sequence
-from typing import NamedTuple
 
+_NONE = "(?!)"  # matches nothing
 LONGEST_COMMAND = 60
 """Characters of a program and its arguments in a line of text."""
-_ASSIGNMENT = re.compile(r"[A-Za-z_]\w*=.*")
 
 
-class _Launcher(NamedTuple):
-    """A kind of program whose first argument, after its options, is what it runs."""
+def _start(name: str, with_value: str, code: str = _NONE, verb: str = "") -> str:
+    """Return the pattern of a program with its options, before the first argument.
 
-    name: re.Pattern[str]
-    with_value: frozenset[str] = frozenset()  # options whose value is the next word
-    code: re.Pattern[str] | None = None  # options that bring the code itself: there is no file
-    verb: str = ""  # the argument without which it runs nothing
-
-
-def _launcher(name: str, with_value: str = "", code: str = "", verb: str = "") -> _Launcher:
-    pattern = re.compile(code) if code else None
-    return _Launcher(re.compile(name), frozenset(with_value.split()), pattern, verb)
+    ``with_value`` are options whose value is the next word, ``code`` those that bring the code
+    itself, so that there is no file; ``verb`` is the argument without which it runs nothing.
+    """
+    options = rf"(?:(?:{with_value}) \S+ |(?!(?:{with_value}|{code}) )[-+]\S* )*"
+    return rf"(?:\S*/)?(?:{name}) {options}{verb and f'{verb} {options}'}(?=[^-+ ])"
 
 
-_INTERPRETERS = (
-    _launcher(r"(python|pypy)[\d.]*", "-W -X --check-hash-based-pycs", r"-\w*c"),
-    _launcher("java", "-cp -classpath --class-path -p --module-path --add-modules"),
-    _launcher("node|nodejs", "-r --require --import --loader -C", r"-p?e|-p|--eval|--print"),
-    _launcher(r"(ruby|perl|lua)[\d.]*", "-I -r -l", r"-\w*[eE]"),
-    _launcher(r"mono(-sgen)?"),
-    _launcher(r"(ba|da|z|k|a)?sh", "-o +o -O +O --rcfile --init-file", r"-\w*c"),
-)
+_UV = "-p|--(?:python|with(?:-editable|-requirements)?|project|directory|extra|(?:only-)?group)"
 _WRAPPERS = (
-    _launcher("env", "-u --unset -C --chdir"),
-    _launcher(
-        "uv",
-        "-p --python --with --with-editable --with-requirements --project --directory --extra"
-        " --group --only-group --env-file --index --package",
-        verb="run",
-    ),
+    r"[A-Za-z_]\w*=\S* (?=\S)",
+    _start("env", "-[uC]|--unset|--chdir"),
+    _start("uv", f"{_UV}|--env-file|--index|--package", verb="run"),
 )
+_INTERPRETERS = {  # options with a value, and those that bring the code, by the interpreters' names
+    r"(?:python|pypy)[\d.]*": ("-[WX]|--check-hash-based-pycs", r"-\w*c"),
+    "java": ("-cp|-classpath|--class-path|-p|--module-path|--add-modules", _NONE),
+    "node|nodejs": ("-[rC]|--require|--import|--loader", "-p?e|-p|--eval|--print"),
+    r"(?:ruby|perl|lua)[\d.]*": ("-[Irl]", r"-\w*[eE]"),
+    "mono(?:-sgen)?": (_NONE, _NONE),
+    "(?:ba|da|z|k|a)?sh": ("[-+][oO]|--rcfile|--init-file", r"-\w*c"),
+}
+_WRAPPED = re.compile(rf"(?:{'|'.join(_WRAPPERS)})*")
+_INTERPRETED = re.compile("|".join(_start(name, *how) for name, how in _INTERPRETERS.items()))
+_INTERPRETER = re.compile("|".join(_INTERPRETERS))
 
 
 def short_name(command: str) -> str:
@@ -65,54 +60,20 @@ def shortened(command: str, most: int) -> str:
 
 def interpreter(command: str) -> str:
     """Return the name of the interpreter that runs a script, "python3"; "" for none."""
-    name, *_ = _unwrapped(command) or [""]
-    return _file_name(name) if _of(name, _INTERPRETERS) else ""
+    name = _file_name(_without(_WRAPPED, " ".join(command.split())).partition(" ")[0])
+    return name if _INTERPRETER.fullmatch(name) else ""
 
 
 def program_words(command: str) -> list[str]:
     """Return the program's name, without folders, and its arguments; empty for no command."""
-    words = _unwrapped(command)
-    if not words:
-        return []
-    launcher = _of(words[0], _INTERPRETERS)
-    name, *arguments = (launcher and _run_by(launcher, words)) or words
-    return [_file_name(name), *arguments]
+    unwrapped = _without(_WRAPPED, " ".join(command.split()))
+    name, *arguments = _without(_INTERPRETED, unwrapped).split() or [""]
+    return [_file_name(name), *arguments] if name else []
 
 
-def _unwrapped(command: str) -> list[str]:
-    """Return a command line's words without wrappers and variables before the program."""
-    words = command.split()
-    while words:
-        wrapper = _of(words[0], _WRAPPERS)
-        wrapped = _run_by(wrapper, words) if wrapper else []
-        if _ASSIGNMENT.fullmatch(words[0]) and words[1:]:
-            wrapped = words[1:]
-        if not wrapped:
-            break
-        words = wrapped
-    return words
-
-
-def _of(word: str, launchers: Sequence[_Launcher]) -> _Launcher | None:
-    name = _file_name(word)
-    return next((one for one in launchers if one.name.fullmatch(name)), None)
-
-
-def _run_by(launcher: _Launcher, words: Sequence[str]) -> list[str]:
-    """Return what a launcher runs, with its arguments; empty where that is no file or module."""
-    verb, before = launcher.verb, ""
-    for place, word in enumerate(words[1:], 1):
-        if launcher.code and launcher.code.fullmatch(word):
-            return []
-        is_value, before = before in launcher.with_value, word
-        if is_value or word.startswith(("-", "+")):
-            continue
-        if not verb:
-            return list(words[place:])
-        if word != verb:
-            return []
-        verb = ""
-    return []
+def _without(start: re.Pattern[str], text: str) -> str:
+    found = start.match(text)
+    return text[found.end() :] if found else text
 
 
 def _file_name(path: str) -> str:

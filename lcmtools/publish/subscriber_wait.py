@@ -8,8 +8,8 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from lcmtools.bus.listeners import listening_processes, listening_sockets
 from lcmtools.bus.records import NodeRecords
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import NothingReceived
 from lcmtools.graph.model import Staleness
@@ -45,7 +45,7 @@ class SubscriberWait:
         self._notify = notify
         self._url = url
         self._literal = literal
-        self._sockets = listening_sockets(url)
+        self._sockets = SocketTable.read()
         publisher.subscriber_ids()  # probes the nodes, which answer while other work is done
 
     def wait(self, subscribers: int | None, timeout: float | None) -> None:
@@ -114,7 +114,9 @@ class SubscriberWait:
     def _has_plain_listeners(self) -> bool:
         """True if programs that are not nodes receive from the bus, on any channel."""
         nodes = {one.pid for one in self._node.graph().nodes if is_here(one)} | {os.getpid()}
-        return any(process.pid not in nodes for process in listening_processes(self._sockets))
+        table = self._sockets
+        holders = (table.holders.get(inode) for inode in table.listening(self._url))
+        return any(holder and holder.pid not in nodes for holder in holders)
 
     def _misfits(self) -> str:
         """The nodes that subscribe to the topic with another type; "" for none."""

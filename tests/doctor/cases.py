@@ -22,8 +22,7 @@ from pathlib import Path
 import yaml
 
 from lcmtools.doctor import report, saved
-from lcmtools.doctor.doubt import in_doubt
-from lcmtools.doctor.rules import RULES, examine
+from lcmtools.doctor.rules import RULES, examine, in_doubt
 from lcmtools.messages.registry import fingerprint, message_class, type_names
 
 FILES = sorted((Path(__file__).parent / "cases").glob("*.txt"))

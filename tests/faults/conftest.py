@@ -60,7 +60,7 @@ while True:
 
 @dataclass(frozen=True)
 class Found:
-    """A finding as wtf --json tells it, and what its remedies say."""
+    """A finding as wtf --json tells it."""
 
     rule: str
     severity: str
@@ -74,8 +74,14 @@ class Found:
 
     @property
     def everything(self):
-        """All of it, as one text."""
-        return "\n".join((self.text, *self.items, *self.remedies))
+        """Its subjects and values as one text; the words are those of tests/doctor/cases."""
+        plain = [{k: v for k, v in one.items() if k != "text"} for one in self.actions]
+        return json.dumps([self.subjects, self.values, self.facts, plain], ensure_ascii=False)
+
+    @property
+    def kinds(self):
+        """The kinds of its remedies."""
+        return [one["kind"] for one in self.actions]
 
     @property
     def variables(self):

@@ -1,6 +1,5 @@
 """Publishers that fall silent or become slow, and programs that only look as if they had."""
 
-import re
 import signal
 import time
 
@@ -92,7 +91,7 @@ def test_one_look_compares_a_plain_program_with_its_average(world):
     time.sleep(6.0)
     world.is_silent()
     sender.send_signal(signal.SIGUSR1)
-    world.finds("slow-rate", f"(pid {sender.pid})", "on average since its start", wait="1s")
+    world.finds("slow-rate", sender.pid, "slower-program", wait="1s")
 
 
 def _beats(world):
@@ -109,7 +108,7 @@ def test_a_node_that_falls_from_ten_messages_a_second_to_one(world):
     beat.wait_for("slower")
     sent = _beats(world)
     world.until(lambda: _beats(world) > sent)
-    found = world.finds("slow-rate", "/beat", " Hz instead of ")
+    found = world.finds("slow-rate", "/beat", "slower")
     assert found.severity == "note"
 
 
@@ -161,9 +160,7 @@ def test_a_simulator_that_has_too_much_to_do(world):
 
     world.until(is_found)
     (slow,) = found
-    assert "of real time, not 6: the simulator is overloaded" in slow.text
-    assert [one["kind"] for one in slow.actions] == ["simulate-less"]
-    assert slow.actions[0]["text"].startswith("end programs that subscribe to cameras")
+    assert slow.kinds == ["simulate-less"]
     for viewer in viewers:
         world.end(viewer)
     world.until(lambda: not is_found())
@@ -187,10 +184,8 @@ def test_a_slow_clock_that_seldom_ticks(world):
     for _ in range(2):
         # the first look hears at least one tick, and a tick may be sent or arrive late
         (found,) = world.look("--rule", "slow-simulator", wait="1s")
-        ratio = re.search(r"passes at (\S+) of real time", found.text)
-        assert ratio
-        assert 0.28 < float(ratio[1]) < 0.39
-        assert f"(pid {clock.pid})" in found.items[0]
+        assert 0.28 < found.values["ratio"] < 0.39
+        assert str(clock.pid) in found.everything
 
 
 _EAR_OF_ONE = """
@@ -210,7 +205,7 @@ def test_a_queue_of_one_for_texts_that_come_five_at_a_time(world):
     world.until(lambda: ear.pid in world.pids())
     world.sends(_FIVE, 1.5)
     for _ in range(3):
-        found = world.finds("queue-drops", "/ear lost ", "/chatter", "they come in bursts")
+        found = world.finds("queue-drops", "/ear", "/chatter", "dropped-in-bursts")
         assert found.severity == "note"
     world.end(ear)
     ear = world.script(_EAR_OF_ONE.replace("DEPTH", "10"))
@@ -221,5 +216,4 @@ def test_a_queue_of_one_for_texts_that_come_five_at_a_time(world):
 def test_a_plain_program_that_dies_while_wtf_listens(world):
     world.hears("A")
     dies = world.sends("bus.publish('A', Twist().encode()) if number < 200 else sys.exit()")
-    found = world.finds("silent", f"(pid {dies.pid}), which has ended", "'A'", wait="6s")
-    assert [fact["kind"] for fact in found.facts] == ["ended-stream"]
+    world.finds("silent", dies.pid, "ended-stream", wait="6s")

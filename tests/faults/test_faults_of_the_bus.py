@@ -104,7 +104,7 @@ def test_a_program_on_another_bus(world, kind):
         talker = world.c("sends", "/chatter", "00", "50", "10", **away)
     else:
         talker = world.node("talker", **away)
-    found = world.finds("other-buses", f"pid {talker.pid} on 239.255.76.6")
+    found = world.finds("other-buses", talker.pid, "on-bus")
     if kind == "c":
         return
     (command,) = found.commands
@@ -117,18 +117,9 @@ def test_a_program_on_another_bus_that_publishes_seldom(world):
     world.node("listener")
     string = "m = String(); m.data = 'x'; bus.publish('/chatter', m.encode())"
     away = world.sends(string, 1.0, LCM_DEFAULT_URL="udpm://239.255.76.67:7700?ttl=0")
-    found = world.finds("other-buses", "with /chatter", f"pid {away.pid} on 239.255.76.67:7700")
+    found = world.finds("other-buses", "/chatter", away.pid, "239.255.76.67:7700")
     assert found.severity == "warning"
     world.again(away, **found.variables)
-    world.is_silent()
-
-
-def test_a_listener_on_another_bus(world):
-    world.node("talker")
-    away = world.node("listener", LCMTOOLS_DOMAIN="3")
-    found = world.finds("other-buses", "wait there for /chatter", f"pid {away.pid} on")
-    assert found.severity == "warning"
-    world.again(away, LCMTOOLS_DOMAIN="", **found.variables)
     world.is_silent()
 
 
@@ -136,8 +127,8 @@ def test_a_python_node_on_another_domain_by_mistake(world):
     """Nodes do not load liblcm, and nothing in such a command line names it."""
     world.node("talker")
     away = world.script(_EARS, ready="listens", LCMTOOLS_DOMAIN="3")
-    where = f"pid {away.pid} on 239.255.76.67:7670 (LCMTOOLS_DOMAIN=3)"
-    found = world.finds("other-buses", "wait there for /chatter", where)
+    where = "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3"
+    found = world.finds("other-buses", "/chatter", away.pid, *where)
     assert found.severity == "warning"
     world.again(away, LCMTOOLS_DOMAIN="", **found.variables)
     world.is_silent()
@@ -148,7 +139,7 @@ def test_a_program_whose_url_lacks_the_port_is_on_no_bus_although_it_listens(wor
     world.node("listener")
     url = "udpm://239.255.76.67"
     program = world.hears("X", LCM_DEFAULT_URL=url)
-    world.finds("other-buses", f"pid {program.pid} on no bus (LCM_DEFAULT_URL={url})", "the port")
+    world.finds("other-buses", program.pid, "on-no-bus", url)
 
 
 def test_two_systems_of_one_kind_on_two_buses(world):
@@ -170,8 +161,7 @@ def test_a_program_of_the_other_provider(world):
 
 def test_messages_that_leave_the_network(world):
     sender = world.sends("bus.publish('A', Twist().encode())", LCM_DEFAULT_URL=f"{BUS}5")
-    found = world.finds("ttl", sender.pid, "ttl=5")
-    assert "ttl=1" in found.remedies[0]
+    assert world.finds("ttl", sender.pid).facts[0]["ttl"] == 5
     world.again(sender, LCM_DEFAULT_URL=f"{BUS}1")
     world.is_silent()
 
@@ -205,7 +195,7 @@ def test_datagrams_that_are_none_of_lcms(world):
     world.node("talker")
     world.node("listener")
     sender = world.script(GARBAGE, ready="sends")
-    world.finds("malformed", f"(pid {sender.pid})", "ss -uanp")
+    world.finds("malformed", sender.pid)
     world.end(sender)
     world.is_silent()
 
@@ -227,8 +217,8 @@ def test_listeners_that_joined_elsewhere(world, second_interface, ip):
     ip("route", "replace", "224.0.0.0/4", "dev", "lo")
     world.node("talker")
     world.node("listener")
-    wrong = f"(pid {sink.pid}): on {second_interface}"
-    world.finds("interfaces", "leads to lo", wrong, "restart the listeners")
+    found = world.finds("interfaces", sink.pid, "restart-listeners")
+    assert found.facts[0]["interfaces"] == [second_interface]
     world.again(sink)
     world.is_silent()
 
@@ -240,7 +230,7 @@ def test_an_interface_without_a_link(world, second_interface, ip):
     world.node("listener", **variable)
     world.is_silent(**variable)
     ip("link", "set", "peer0", "down")
-    world.finds("link", second_interface, "plug its cable in", **variable)
+    world.finds("link", second_interface, **variable)
 
 
 @pytest.mark.root  # for raw sockets
@@ -252,7 +242,7 @@ def test_datagrams_that_the_strict_filter_drops(world, second_interface, ip):
     for name in ("all", second_interface):
         world.type(f"sysctl -w net.ipv4.conf.{name}.rp_filter=1")
     world.script(FORGED, "peer0", ready="sends")
-    found = world.finds("rp-filter", "rp_filter dropped", **variable)
+    found = world.finds("rp-filter", **variable)
     assert found.severity == "warning"
 
 
@@ -263,7 +253,7 @@ def test_a_program_on_another_bus_beside_a_busy_one(world, url):
     world.node("talker")
     world.node("listener")
     program = world.script(MAKES_A_BUS, url, ready="runs", LCM_DEFAULT_URL=url)
-    found = world.finds("other-buses", f"pid {program.pid} on", f"LCM_DEFAULT_URL={url}")
+    found = world.finds("other-buses", program.pid, f"LCM_DEFAULT_URL={url}")
     assert (found.severity, found.variables) == ("note", {"LCM_DEFAULT_URL": f"{BUS}0"})
     world.end(program)
     world.is_silent()
@@ -288,7 +278,7 @@ def test_a_route_that_does_not_leave_the_computer(world, second_interface, ip):
     variable = {"LCM_DEFAULT_URL": f"{BUS}1"}
     world.node("talker", **variable)
     world.node("listener", **variable)
-    world.finds("loopback-route", "ttl=1", **variable)
+    world.finds("loopback-route", **variable)
     ip("route", "replace", "224.0.0.0/4", "dev", second_interface)
     for name in ("/talker", "/listener"):
         world.again(world.of_node(name, **variable))
@@ -301,7 +291,7 @@ def test_datagrams_whose_pieces_do_not_all_come(world):
     world.node("listener")
     world.type("sysctl -w net.ipv4.ipfrag_time=1")
     sender = world.script(PIECES, ready="sends")
-    world.finds("reassembly", "smaller messages", wait="1.2s")
+    world.finds("reassembly", wait="1.2s")
     world.end(sender)
     time.sleep(1.5)  # what has been sent counts when its time is over
     world.is_silent()
@@ -311,7 +301,7 @@ def test_an_interface_that_is_down(world, ip):
     world.node("talker")
     world.node("listener")
     ip("link", "set", "lo", "down")
-    found = world.finds("bus", "the interface lo is down")
+    found = world.finds("bus", "interface-down")
     (command,) = [word for word in found.commands if "route add" in word]
     world.type(command)
     world.is_silent()
@@ -323,7 +313,6 @@ def test_a_wrong_url_of_a_program_whose_topic_is_waited_for(world, url):
     program = world.script(TRIES_A_BUS, ready="runs", LCM_DEFAULT_URL=url)
     found, _ = world.look("--rule", "other-buses", "--rule", "unconnected-subscriptions")
     assert (found.rule, found.severity) == ("other-buses", "warning")
-    assert f"pid {program.pid} on no bus" in found.items[0]
-    assert f"its URL '{url}'" in found.items[0]
+    assert found.facts[0]["kind"] == "on-no-bus"
     world.again(program, **found.variables)
     world.is_silent()

@@ -17,7 +17,7 @@ from lcmtools import Node
 from lcmtools.bag.rerunning.private_bus import PrivateBus
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import UsageError
-from lcmtools.packages.cpp import compiler_flags
+from lcmtools.packages.cmake import compiler_flags
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.processes.reaper import is_gone
 from lcmtools.types.geometry_msgs import Twist

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.bus.processes import innermost_pid
+from lcmtools.bus.processes import Process
 
 pytestmark = [pytest.mark.usefixtures("on_bus"), pytest.mark.root]
 
@@ -28,7 +28,7 @@ def contained(start, lcmtools_path, cli):
 
 
 def _is_it(pid):
-    own, (namespace, inner) = innermost_pid(os.getpid()), innermost_pid(pid)
+    own, (namespace, inner) = Process(os.getpid()).innermost_pid, Process(pid).innermost_pid
     if inner != _PID or namespace == own[0]:
         return False
     return b"talker" in Path(f"/proc/{pid}/cmdline").read_bytes()

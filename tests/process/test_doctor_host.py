@@ -7,16 +7,15 @@ import sys
 
 import pytest
 
-from lcmtools.bus.kernel import receive_buffers
 from lcmtools.bus.multicast import receiving_socket
 from lcmtools.bus.network_watch import route_interface
-from lcmtools.bus.processes import owners, udp_sockets
+from lcmtools.bus.processes import Process
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import parse_url
-from lcmtools.doctor import self_test
+from lcmtools.doctor import host as host_module
 from lcmtools.doctor.firewall import Traffic
-from lcmtools.doctor.host import firewall, host, silent_bridge
-from lcmtools.doctor.lcm_processes import lcm_processes, processor_times, state_of
-from lcmtools.doctor.self_test import large_problem, send_problem
+from lcmtools.doctor.host import firewall, host, large_problem, send_problem, silent_bridge
+from lcmtools.doctor.lcm_processes import lcm_processes
 
 
 def test_the_size_of_a_receive_buffer_is_known_by_inode():
@@ -25,7 +24,7 @@ def test_the_size_of_a_receive_buffer_is_known_by_inode():
         for wanted in (20_000, 150_000):
             one.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, wanted)
             granted = one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
-            assert receive_buffers()[os.fstat(one.fileno()).st_ino] == granted
+            assert SocketTable.read().buffers[os.fstat(one.fileno()).st_ino] == granted
 
 
 def test_what_waits_in_a_socket_is_known():
@@ -33,11 +32,10 @@ def test_what_waits_in_a_socket_is_known():
         one.bind(("127.0.0.1", 0))
         port = one.getsockname()[1]
         one.sendto(bytes(1000), ("127.0.0.1", port))
-        (row,) = (row for row in udp_sockets() if row.port == port)
-        assert row.queued_bytes >= 1000
+        inode = os.fstat(one.fileno()).st_ino
+        assert SocketTable.read().rows[inode].queued_bytes >= 1000
         one.recv(2000)
-        (row,) = (row for row in udp_sockets() if row.port == port)
-        assert row.queued_bytes == 0
+        assert SocketTable.read().rows[inode].queued_bytes == 0
 
 
 def test_this_computer_is_described(bus_url):
@@ -107,18 +105,13 @@ def test_a_program_on_another_bus_is_known_with_its_variable(bus_url, free_port,
     other = f"udpm://239.255.76.67:{free_port()}?ttl=0"
     listener = start_python(_LISTENER, LCM_DEFAULT_URL=other)
     listener.wait_for("ready")
-    rows = udp_sockets()
-    holders = owners(row.inode for row in rows)
-    found = {
-        process.pid: process for process in lcm_processes(parse_url(bus_url), rows, holders, set())
-    }
+    table = SocketTable.read()
+    found = {one.pid: one for one in lcm_processes(parse_url(bus_url), table, set())}
     there = found[listener.pid]
     assert there.bus == other.removeprefix("udpm://").removesuffix("?ttl=0")
     assert there.variable == f"LCM_DEFAULT_URL={other}"
     assert 0 < there.open_files < there.most_files
-    here = {
-        process.pid: process for process in lcm_processes(parse_url(other), rows, holders, set())
-    }
+    here = {one.pid: one for one in lcm_processes(parse_url(other), table, set())}
     assert here[listener.pid].bus == ""
 
 
@@ -140,19 +133,17 @@ def test_a_program_that_only_sends_is_where_its_code_or_argument_says(
     file.write_text(_SENDER.format(url=f"'{other}'" if place == "code" else "sys.argv[1]"))
     sender = start(sys.executable, str(file), *([other] if place == "argument" else []))
     sender.wait_for("ready")
-    rows = udp_sockets()
-    holders = owners(row.inode for row in rows)
-    processes = lcm_processes(parse_url(bus_url), rows, holders, set())
+    processes = lcm_processes(parse_url(bus_url), SocketTable.read(), set())
     (found,) = [process for process in processes if process.pid == sender.pid]
     assert found.bus == other.removeprefix("udpm://").removesuffix("?ttl=0")
     assert found.is_guess == (place == "code")
 
 
 def test_a_process_has_a_state_and_a_time_that_it_was_busy():
-    assert state_of(os.getpid()) in ("R", "S")
-    assert processor_times(os.getpid())[0] > 0
-    assert state_of(2**22 + 1) == ""
-    assert processor_times(2**22 + 1) == (0, 0)
+    assert Process(os.getpid()).state in ("R", "S")
+    assert Process(os.getpid()).processor_times[0] > 0
+    assert Process(2**22 + 1).state == ""
+    assert Process(2**22 + 1).processor_times == (0, 0)
 
 
 def test_a_large_message_comes_back_and_reaches_nobody_else(bus_url):
@@ -175,13 +166,13 @@ class _Lossy(socket.socket):
 
 def test_a_large_message_that_is_lost_is_told(bus_url, monkeypatch):
     monkeypatch.setattr(
-        self_test, "sending_socket", lambda _: _Lossy(socket.AF_INET, socket.SOCK_DGRAM)
+        host_module, "sending_socket", lambda _: _Lossy(socket.AF_INET, socket.SOCK_DGRAM)
     )
     assert large_problem(parse_url(bus_url)) == "part 1 of 5, 65507 bytes, is lost"
 
 
 def test_datagrams_that_the_system_refuses_to_send_are_told(bus_url, monkeypatch):
-    monkeypatch.setattr(self_test, "fragments", lambda *_: iter([bytes(70_000)]))
+    monkeypatch.setattr(host_module, "fragments", lambda *_: iter([bytes(70_000)]))
     problem = large_problem(parse_url(bus_url))
     assert problem == "the system does not send datagrams as large as LCM's"
 

@@ -8,9 +8,8 @@ import pytest
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.group_receiver import ChannelSocket
-from lcmtools.bus.kernel import SELECTIVE, marked_sockets
-from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import udp_sockets
+from lcmtools.bus.kernel import SELECTIVE
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Endpoint, Role
@@ -44,7 +43,8 @@ def channel_socket(bus_url):
     """``channel_socket()``: the inode of this process's only channel socket."""
 
     def find():
-        (inode,) = marked_sockets(SELECTIVE) & listening_sockets(parse_url(bus_url))
+        table = SocketTable.read()
+        (inode,) = table.marked(SELECTIVE) & table.listening(parse_url(bus_url))
         return inode
 
     return find
@@ -55,7 +55,7 @@ def _names(node):
 
 
 def _waiting_bytes(inode):
-    (row,) = (row for row in udp_sockets() if row.inode == inode)
+    row = SocketTable.read().rows[inode]
     return row.queued_bytes
 
 
@@ -128,9 +128,9 @@ def test_a_followers_own_channel_socket_is_no_foreign_listener(join, channel_soc
 def test_a_channel_socket_is_left_with_the_bus(join, bus_url):
     context = join()
     Node("follower", context=context).graph()
-    assert listening_sockets(parse_url(bus_url))
+    assert SocketTable.read().listening(parse_url(bus_url))
     context.close()
-    assert not listening_sockets(parse_url(bus_url))
+    assert not SocketTable.read().listening(parse_url(bus_url))
 
 
 def test_a_channel_socket_takes_one_channel_whatever_else_comes(bus_url, wait_until):
@@ -189,7 +189,7 @@ def test_wtf_does_not_blame_a_channel_socket_for_what_its_filter_drops(
 ):
     for source in (_FOLLOWER, _TALKER):
         start_python(source, LCM_DEFAULT_URL=bus_url).wait_for("ready")
-    (row,) = (row for row in udp_sockets() if row.inode == channel_socket())
+    row = SocketTable.read().rows[channel_socket()]
     assert row.drops > 0  # the kernel counts them
     found = json.loads(cli("wtf", "--json", "--wait", "0.5s", env={"LCM_DEFAULT_URL": bus_url}).out)
     assert "kernel-drops" not in [finding["rule"] for finding in found]

@@ -90,7 +90,7 @@ def test_the_launch_ends_its_nodes(run, launched):
 
 ANSWERS = """
 import os, socket, sys, time
-from lcmtools.bus import kernel, processes
+from lcmtools.bus import kernel, processes, sockets
 from lcmtools.bus.socket_filter import heads_only
 
 receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -107,9 +107,9 @@ assert ttl is None
 assert not kernel.attach(receiver, heads_only())
 assert kernel.buffer(receiver) is None
 assert kernel.receive_buffer_bytes() == 4 << 20
-assert kernel.receive_buffers() == {} and kernel.marked_sockets(kernel.ANNOUNCED) == frozenset()
-assert kernel.joined_interfaces(os.getpid(), 1, "239.255.76.67") == ()
-assert not processes.sockets_are_known() and processes.udp_sockets() == []
+table = sockets.SocketTable.read()
+assert not sockets.sockets_are_known() and table.rows == table.holders == {}
+assert table.buffers == table.marks == {} and table.joined_interfaces(1, "239.255.76.67") == ()
 assert processes.process_of(os.getppid()) == processes.Process(os.getppid(), "")
 assert processes.process_of(2**22 + 1) is None
 print("answered")

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from lcmtools.doctor.evidence import Evidence
-from lcmtools.doctor.rules.unchecked import unchecked
+from lcmtools.doctor.report import unchecked
 from lcmtools.doctor.sentences import unchecked_text
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.messages.supply import set_supply

@@ -14,7 +14,7 @@ from contextlib import AbstractContextManager
 from os import getpid
 from typing import NamedTuple
 
-from lcmtools.bus.processes import tcp_holders, was_told
+from lcmtools.bus.sockets import tcp_holders
 from lcmtools.wire import tcpq
 from lcmtools.wire.channel_pattern import PatternError, compile_pattern
 
@@ -140,8 +140,9 @@ class PrivateBus(AbstractContextManager["PrivateBus"]):
 
         One that the system does not show, as in a container, is taken for a program's.
         """
-        pids = tcp_holders(port, self._listener.getsockname()[1])
-        return bool(pids) and not any(one == getpid() or was_told(one, self.url) for one in pids)
+        holders = tcp_holders(port, self._listener.getsockname()[1])
+        told = (one.pid == getpid() or one.was_told(self.url) for one in holders)
+        return bool(holders) and not any(told)
 
     def _read(self, client: Client) -> Iterator[Published]:
         try:

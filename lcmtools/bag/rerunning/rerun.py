@@ -81,7 +81,6 @@ class _Rerunner:
         self._contract = None if manner.against is None else read_contract(manner.against)
 
     def result(self, log: str, program: Tested, notes: list[str]) -> Rerun:
-        """Run the program, and compare."""
         began = time.monotonic()
         run = self._run(program)
         duration = time.monotonic() - began

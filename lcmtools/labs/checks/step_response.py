@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from lcmtools.labs.checks.diagnosis import STOPPED, UNMOVED
 from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
-from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -71,7 +71,7 @@ class StepRun:
 
     step: Step
     motion: Sequence[TrueState]
-    commands: Sequence[CommandMessage]
+    commands: Sequence[ReceivedMessage]
     touches: Sequence[Touch] = ()
     pace: float = 1.0
 
@@ -256,7 +256,7 @@ def _unmoved_cause(run: StepRun) -> Cause:
     return Cause(f"{UNMOVED}{field}", f"it does not move: does it use {field}?")
 
 
-def _efforts(command: CommandMessage) -> Sequence[float]:
+def _efforts(command: ReceivedMessage) -> Sequence[float]:
     """Return the efforts or speeds of the two sides, in the command's unit."""
     message = command.message
     if isinstance(message, JointState):

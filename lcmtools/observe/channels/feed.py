@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 
 from lcmtools.bounded import BoundedDict
-from lcmtools.bus.listeners import listening_sockets
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.tap import LONG_NAP
 from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.graph.model import Graph
@@ -251,7 +251,8 @@ class Feed:
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _SELDOM
-            known = listening_sockets(self._monitor.url), {node.id for node in graph.nodes}
+            sockets = SocketTable.read().listening(self._monitor.url)
+            known = sockets, {node.id for node in graph.nodes}
             if known != self._known:  # finding the processes means searching all
                 self._known = known
                 self._listeners = tuple(plain_listeners(graph, self._monitor.url))

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 
 from lcmtools.bus.multicast import missing_route
 from lcmtools.bus.network_watch import network_watch
-from lcmtools.bus.processes import is_local, is_stopped, silent_senders, sockets_are_known
+from lcmtools.bus.processes import Process, is_local
 from lcmtools.bus.records import NodeRecords, this_process
+from lcmtools.bus.sockets import SocketTable, sockets_are_known
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.builder import MOST_FLOWS, MOST_NODES, GraphBuilder
@@ -331,7 +332,7 @@ class BusMonitor:
         """
         self._recall()
         silent = (node for node in self.graph().nodes if node.stale is Staleness.HANGS)
-        return any(not is_stopped(node.pid) for node in silent)
+        return any(not Process(node.pid).is_stopped for node in silent)
 
     def _await_foreign(self, deadline: float) -> None:
         """Listen while there may be programs that do not tell their channels.
@@ -348,6 +349,6 @@ class BusMonitor:
                 deque(self.packets(left), maxlen=0)
                 return
             known = {node.pid for node in graph.nodes if is_here(node)}
-            if not silent_senders(self.url.host, self.url.port, ports, known):
+            if not SocketTable.read().silent_senders(self.url, ports, known):
                 return
             self.receive(min(left, 0.1))

@@ -10,28 +10,14 @@ import pwd
 import socket
 import time
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
 from typing import NamedTuple
 
 from lcmtools.bounded import BoundedDict
-from lcmtools.bus.kernel import (
-    OWN_MARKS,
-    marked_sockets,
-    own_pid_namespace,
-)
-from lcmtools.bus.listeners import listening_sockets
-from lcmtools.bus.processes import (
-    PossibleSenders,
-    Process,
-    UdpSocket,
-    innermost_pid,
-    is_local,
-    owners,
-    process_of,
-    senders_from,
-    udp_sockets,
-)
+from lcmtools.bus.kernel import OWN_MARKS, own_pid_namespace
+from lcmtools.bus.processes import Process, is_local, process_of
+from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import short_name
 from lcmtools.graph.model import Graph, Node, Traffic
@@ -43,29 +29,6 @@ UNKNOWN = "unknown sender"  # the name if the bus does not identify senders: tcp
 
 _MOST_SENDERS = 4000  # that are looked up, and whose processes are remembered
 _RETRY = 5.0  # [s] before a sender that was not found is looked up again
-
-
-class SocketTable(NamedTuple):
-    """The UDP sockets of this computer at one time, and the processes behind them."""
-
-    rows: Mapping[int, UdpSocket]  # the sockets by inode
-    holders: Mapping[int, Process]  # the processes that this user may inspect, by inode
-
-    @classmethod
-    def read(cls, ports: Collection[int] | None = None) -> "SocketTable":
-        """Read the system's table; only sockets on these local ports, if given."""
-        rows = {row.inode: row for row in udp_sockets() if ports is None or row.port in ports}
-        return cls(rows, owners(rows))
-
-    def sockets(self, sender: Sender) -> list[UdpSocket]:
-        """Return the sockets that may be a sender's; none for a sender on another computer."""
-        if sender.name or not is_local(sender.address):
-            return []
-        return [row for row in self.rows.values() if row.port == sender.port]
-
-    def processes(self, sender: Sender) -> PossibleSenders:
-        """Return the processes that may be a sender, as far as the system shows them."""
-        return senders_from(sender.port, self.sockets(sender), self.holders)
 
 
 def process_name(process: Process) -> str:
@@ -82,7 +45,7 @@ class SenderNames:
 
     def __init__(
         self,
-        read: Callable[[Collection[int]], SocketTable] = SocketTable.read,
+        read: Callable[[], SocketTable] = SocketTable.read,
         now: Callable[[], float] = time.monotonic,
         called: Callable[[Process], str] = process_name,
     ) -> None:
@@ -99,10 +62,9 @@ class SenderNames:
         for sender in new:
             self._next_look[sender] = now + _RETRY
         local = [sender for sender in new if is_local(sender.address) and not sender.name]
-        table = self._read({sender.port for sender in local}) if local else SocketTable({}, {})
-        found = {sender: table.processes(sender).only for sender in local}
-        for sender, process in found.items():
-            if process:
+        table = self._read() if local else SocketTable()
+        for sender in local:
+            if process := table.processes(sender).only:
                 self._processes[sender] = process
 
     def node(self, sender: Sender | None) -> Node | None:
@@ -152,20 +114,20 @@ class Program(NamedTuple):
 def programs(graph: Graph, url: BusUrl) -> list[Program]:
     """Return the programs on a bus that are not nodes, those of this computer first."""
     is_log = url.provider == "file"  # whose programs need not run now, or here
-    table = SocketTable({}, {}) if is_log else SocketTable.read()
-    listening = frozenset() if is_log else listening_sockets(url)
-    others = marked_sockets(*OWN_MARKS) - table.holders.keys()
+    table = SocketTable() if is_log else SocketTable.read()
     known = {*nodes_by_pid(graph.nodes, table.holders.values()), os.getpid()}
     found: dict[_Key, list[Traffic]] = {}
     for seen in graph.foreign():
         found.setdefault(_key(seen.sender, table), []).append(seen)
     receivers: dict[Process | None, list[UdpSocket]] = {}
-    for inode in listening - others:  # except nodes and commands of other users
-        process, row = table.holders.get(inode), table.rows.get(inode)
+    for inode in table.listening(url):
+        process, row = table.holders.get(inode), table.rows[inode]
+        is_own = process is None and table.marks.get(inode) in OWN_MARKS  # of another user
+        if is_own or table.has_gone(inode):
+            continue
         if process is None or process.pid not in known:
-            found.setdefault((process, row.uid if row else None, ""), [])
-        if row:
-            receivers.setdefault(process, []).append(row)
+            found.setdefault((process, row.uid, ""), [])
+        receivers.setdefault(process, []).append(row)
     made = [
         _program(key, seen, receivers, table)
         for key, seen in found.items()
@@ -215,8 +177,8 @@ def nodes_by_pid(
             found[node.pid].append(node)
         elif is_contained(node) and not (node.is_recorded or node.path):
             contained[node.pid_namespace, node.pid].append(node)
-    for pid in {process.pid for process in processes} if contained else ():
-        found[pid] += contained.get(innermost_pid(pid), ())
+    for process in {process.pid: process for process in processes}.values() if contained else ():
+        found[process.pid] += contained.get(process.innermost_pid, ())
     return {pid: some for pid, some in found.items() if some}
 
 

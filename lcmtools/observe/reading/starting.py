@@ -10,7 +10,7 @@ from collections.abc import Container, Iterator, Mapping
 from itertools import pairwise
 
 from lcmtools.bus.kernel import own_network
-from lcmtools.bus.processes import command_lines, surroundings_of, usage_of
+from lcmtools.bus.processes import Process, running
 from lcmtools.bus.url import BusUrl, choose_url
 from lcmtools.errors import UsageError
 from lcmtools.settings import read_user_file
@@ -24,17 +24,17 @@ def starting_nodes(url: BusUrl, known: Container[int]) -> Iterator[str]:
 
     ``known`` are the processes whose nodes have come.
     """
-    for pid, words in command_lines():
+    for process in running():
+        words = process.text("cmdline")
         match = _RUNS_NODE.search(words)
-        if not match or pid in known or not _is_young(pid):
+        if not match or process.pid in known or not _is_young(process):
             continue
-        network, environment = surroundings_of(pid)
-        if network == own_network() and _bus(words, environment) == url:
-            yield f"lcmtools {match[1].replace(chr(0), ' ')} (pid {pid})"
+        if process.network == own_network() and _bus(words, process.environment) == url:
+            yield f"lcmtools {match[1].replace(chr(0), ' ')} (pid {process.pid})"
 
 
-def _is_young(pid: int) -> bool:
-    usage = usage_of(pid)
+def _is_young(process: Process) -> bool:
+    usage = process.usage()
     return usage is not None and time.time_ns() - usage.start_time < _LONGEST
 
 

@@ -5,12 +5,13 @@ from collections.abc import Iterable, Sequence
 from itertools import chain
 
 from lcmtools.bus.processes import Process, is_local
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
 from lcmtools.names import did_you_mean, is_of_lcm
 from lcmtools.observe.reading.decoding import like_text, possible_types
-from lcmtools.observe.reading.senders import SocketTable, is_contained
+from lcmtools.observe.reading.senders import is_contained
 
 UNKNOWN = "unknown type"
 NO_TYPE = "no type: LCM's own channel"
@@ -152,9 +153,8 @@ def all_callback_errors(graph: Graph) -> list[str]:
 def program_texts(traffic: Sequence[Traffic]) -> list[str]:
     """Return the programs behind senders that are not nodes, as far as the system shows them."""
     senders = [seen.sender for seen in traffic]
-    here = (sender for sender in senders if sender and not sender.name)
-    ports = {sender.port for sender in here if sender.port and is_local(sender.address)}
-    table = SocketTable.read(ports) if ports else SocketTable({}, {})
+    here = (sender for sender in senders if sender and sender.port and not sender.name)
+    table = SocketTable.read() if any(is_local(one.address) for one in here) else SocketTable()
     return [_program_text(seen, table) for seen in traffic]
 
 

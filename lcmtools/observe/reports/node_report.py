@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from lcmtools.bus.processes import usage_of
+from lcmtools.bus.processes import Process
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.graph.model import VERSION, Endpoint, Graph, Node, Role
 from lcmtools.names import is_hidden
@@ -23,7 +23,7 @@ from lcmtools.observe.reports.describe import (
     seen_kinds,
 )
 from lcmtools.observe.reports.node_list_report import up_time
-from lcmtools.observe.reports.process_rows import percent, usage_rows
+from lcmtools.observe.reports.program_report import percent, usage_rows
 from lcmtools.text_table import plural
 
 _TITLES = {
@@ -65,7 +65,7 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
 
 def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
     """Return a node for JSON."""
-    taken = usage_of(node.pid) if is_here(node) and not node.stale else None
+    taken = Process(node.pid).usage() if is_here(node) and not node.stale else None
     return {
         **node_list_report.record(node),
         **{
@@ -95,7 +95,7 @@ def _process(node: Node, now: int) -> list[str]:
     if node.stale:
         rows.append(f"Stale: {node.stale}")
     else:
-        rows += usage_rows(node.pid, now) if is_here(node) else []
+        rows += usage_rows(Process(node.pid), now) if is_here(node) else []
         seconds = up_time(node, now)
         rows.append(f"Up for: {seconds:.0f} s")
         share = f"{percent(node.busy / 1e9, seconds)} of that time"

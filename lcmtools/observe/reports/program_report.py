@@ -1,13 +1,15 @@
 """A program that is not a node, as lines of text and as values for JSON."""
 
 import socket
+import time
 
-from lcmtools.bus.kernel import receive_buffers
+from lcmtools.bus.processes import Process
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
 from lcmtools.graph.model import Graph, Traffic
 from lcmtools.observe.node_requests import program_place
-from lcmtools.observe.reading.senders import Program, listening_programs
+from lcmtools.observe.reading.senders import Program, listening_programs, user_name
 from lcmtools.observe.reports.describe import (
     Kinds,
     candidates_text,
@@ -15,7 +17,6 @@ from lcmtools.observe.reports.describe import (
     seen_kinds,
     types_record,
 )
-from lcmtools.observe.reports.process_rows import usage_rows
 from lcmtools.text_table import plural
 
 
@@ -51,9 +52,9 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
         found += [
             f"Pid: {process.pid}",
             f"Command: {process.command}",
-            *usage_rows(process.pid, now),
+            *usage_rows(process, now),
         ]
-    sizes = receive_buffers() if program.sockets else {}
+    sizes = SocketTable.read().buffers if program.sockets else {}
     found += [
         f"Buffer: {_kilobytes(row.queued_bytes)} of {_kilobytes(sizes.get(row.inode))} wait,"
         f" {plural(row.drops, 'datagram')} dropped"
@@ -118,3 +119,23 @@ def _kinds(seen: Traffic) -> Kinds:
 
 def _kilobytes(size: int | None) -> str:
     return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"
+
+
+def usage_rows(process: Process, now: int) -> list[str]:
+    """Return the resources that a process of this computer uses; none if the system hides them."""
+    taken = process.usage()
+    if taken is None:
+        return []
+    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
+    share = percent(taken.processor_time, (now - taken.start_time) / 1e9)
+    return [
+        f"User: {user_name(taken.uid)}",
+        f"Started: {started}",
+        f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
+        f"Processor: {share} of a core since it started",
+    ]
+
+
+def percent(spent: float, seconds: float) -> str:
+    """Return a share of some time as text."""
+    return f"{100 * spent / max(1e-9, seconds):.1f} %"

@@ -2,9 +2,8 @@
 
 import pytest
 
-from lcmtools.bus import listeners
-from lcmtools.bus.listeners import PlainListeners
-from lcmtools.bus.processes import UdpSocket
+from lcmtools.bus.kernel import ANNOUNCED
+from lcmtools.bus.sockets import PlainListeners, SocketTable, UdpSocket
 from lcmtools.bus.url import parse_url
 
 LOCAL = "udpm://239.255.76.67:7667?ttl=0"
@@ -20,17 +19,19 @@ class Computer:
         self.time = 0.0
         self.looks = 0
 
-    def udp_sockets(self):
+    def table(self):
         """The socket table."""
         self.looks += 1
-        return [UdpSocket("239.255.76.67", self.port, inode, 0, 0) for inode in self.sockets]
+        of_bus = "239.255.76.67", self.port
+        table = SocketTable({inode: UdpSocket(*of_bus, inode, 0, 0) for inode in self.sockets}, {})
+        table.marks = dict.fromkeys(self.marked, ANNOUNCED)
+        return table
 
 
 @pytest.fixture
 def computer(monkeypatch):
     made = Computer()
-    monkeypatch.setattr(listeners, "udp_sockets", made.udp_sockets)
-    monkeypatch.setattr(listeners, "marked_sockets", lambda *_: made.marked)
+    monkeypatch.setattr(SocketTable, "read", made.table)
     return made
 
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.doctor.doubt import in_doubt, shows_signs
 from lcmtools.doctor.evidence import Evidence, SimulatedClock, Stream
+from lcmtools.doctor.rules import in_doubt, shows_signs
 from lcmtools.graph.model import Graph, Node, Staleness, Traffic
 
 SEEN = Evidence("udpm://", graph=Graph(traffic=(Traffic("A", None, (), 1, 8, 0, 0),)), listened=1.0)

@@ -1,7 +1,7 @@
 """Drops of full buffers, told from those of filters."""
 
-from lcmtools.bus.processes import UdpSocket
-from lcmtools.doctor.drops import BufferDrops
+from lcmtools.bus.sockets import UdpSocket
+from lcmtools.doctor.receivers import BufferDrops
 
 PLAIN, NODE, OTHER = 1, 2, 3
 

@@ -7,6 +7,7 @@ from collections import defaultdict
 
 import pytest
 
+from lcmtools.bus.processes import Process
 from lcmtools.doctor import lcm_processes
 from lcmtools.doctor.evidence import LcmProcess
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
@@ -30,7 +31,7 @@ def test_other_buses_are_searched_only_for_what_is_missing(topic, searches, monk
 
 
 def test_busy_time_is_that_of_all_threads():
-    before, _ = lcm_processes.processor_times(os.getpid())
+    before, _ = Process(os.getpid()).processor_times
     begun, ends = threading.Event(), threading.Event()
 
     def compute():
@@ -42,7 +43,7 @@ def test_busy_time_is_that_of_all_threads():
     thread = threading.Thread(target=compute)
     thread.start()
     begun.wait()
-    after, _ = lcm_processes.processor_times(os.getpid())
+    after, _ = Process(os.getpid()).processor_times
     ends.set()
     thread.join()
     assert after - before >= 50_000_000

@@ -1,13 +1,14 @@
 """Rows of channels: types, senders, listeners and loss, as far as they are known."""
 
-from lcmtools.bus.processes import Process, UdpSocket
+from lcmtools.bus.processes import Process
+from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
 from lcmtools.messages.codec import encode
 from lcmtools.observe.channels.activity import Activity
 from lcmtools.observe.channels.rows import ChannelRow, ChannelRows, ChannelSelection
 from lcmtools.observe.reading.losses import losses
-from lcmtools.observe.reading.senders import SenderNames, SocketTable
+from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.types.geometry_msgs import Vector3
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
@@ -23,7 +24,7 @@ POINT = encode(Vector3())
 def names():
     process = Process(42, "/usr/bin/python3 -u /home/me/drive.py --fast")
     rows = {1: UdpSocket("127.0.0.1", 2000, 1, 0, 0)}
-    return SenderNames(lambda _: SocketTable(rows, {1: process}))
+    return SenderNames(lambda: SocketTable(rows, {1: process}))
 
 
 def packet(channel, sender, seqno=0, payload=POINT):

@@ -6,6 +6,7 @@ from typing import ClassVar
 import pytest
 from fixtures.says import assert_says
 
+from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.observe.channels import feed as feed_module
 from lcmtools.observe.channels.feed import Feed, Snapshot
@@ -123,7 +124,7 @@ def test_who_listens_is_looked_up_again_where_there_are_other_sockets(snapshot_o
         return [f"program {len(looks)}"]
 
     monkeypatch.setattr("lcmtools.observe.channels.feed._SELDOM", 0.0)
-    monkeypatch.setattr("lcmtools.observe.channels.feed.listening_sockets", lambda _: sockets[-1])
+    monkeypatch.setattr(SocketTable, "listening", lambda *_: sockets[-1])
     monkeypatch.setattr("lcmtools.observe.channels.feed.plain_listeners", listeners)
     seen = {}
 

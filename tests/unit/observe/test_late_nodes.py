@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import pytest
 
+from lcmtools.bus.processes import Process
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Node
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
-from lcmtools.observe.reading import monitor as monitors
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
@@ -78,7 +78,7 @@ def test_a_node_that_left_a_record_and_runs_is_given_time_to_answer(late_bus):
 
 
 def test_a_stopped_node_is_not_waited_for(late_bus, monkeypatch):
-    monkeypatch.setattr(monitors, "is_stopped", lambda pid: pid == os.getpid())
+    monkeypatch.setattr(Process, "state", property(lambda one: "T" * (one.pid == os.getpid())))
     (node,) = late_bus.settle(foreign=False).nodes
     assert node.stale == "runs but does not answer"
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from lcmtools.bus.processes import Process, UdpSocket
+from lcmtools.bus.processes import Process
+from lcmtools.bus.sockets import UdpSocket
 from lcmtools.observe.node_requests import program_names
 from lcmtools.observe.reading.senders import Program
 from lcmtools.observe.reports.program_report import command_text, listed_rows, record

@@ -6,9 +6,10 @@ import socket
 import pytest
 
 from lcmtools.bus.kernel import own_pid_namespace
-from lcmtools.bus.processes import Process, UdpSocket
+from lcmtools.bus.processes import Process
+from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.graph.model import Node
-from lcmtools.observe.reading.senders import SenderNames, SocketTable, is_gone, is_here
+from lcmtools.observe.reading.senders import SenderNames, is_gone, is_here
 from lcmtools.observe.reports.describe import host_text
 from lcmtools.wire.packet import Sender
 
@@ -19,26 +20,26 @@ def test_a_process_is_looked_up_once_and_one_not_found_again_after_a_while():
     asked = []
     time = [0.0]
 
-    def read(ports):
-        asked.append(ports)
+    def read():
+        asked.append(time[0])
         return SocketTable({5: UdpSocket("127.0.0.1", 1, 5, 0, 0)}, {5: Process(7, "drive")})
 
     names = SenderNames(read, lambda: time[0])
     for moment in (0.0, 1.0, 6.0):
         time[0] = moment
         names.update([LOCAL, OTHER, None])
-    assert asked == [{1, 2}, {2}]
+    assert asked == [0.0, 6.0]
     assert (names.name(LOCAL), names.name(OTHER)) == ("drive (pid 7)", "127.0.0.1:2")
 
 
 def test_other_computers_are_not_looked_up():
-    names = SenderNames(lambda _: pytest.fail("looked up"))
+    names = SenderNames(lambda: pytest.fail("looked up"))
     names.update([Sender("10.255.3.4", 5)])
     assert names.name(Sender("10.255.3.4", 5)) == "10.255.3.4:5"
 
 
 def test_a_node_is_named_before_its_process():
-    names = SenderNames(lambda _: pytest.fail("looked up"))
+    names = SenderNames(lambda: pytest.fail("looked up"))
     names.update([LOCAL], [Node("/drive", "1", "here", 7, sender=LOCAL)])
     assert (names.name(LOCAL), names.name(None)) == ("/drive", "unknown sender")
 
