@@ -41,11 +41,12 @@ def command(
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     with open_monitor("list", asks=True) as monitor:
         from lcmtools.observe.channels.activity import settled  # while the nodes answer
-        from lcmtools.observe.reports.program_report import listeners_text
+        from lcmtools.observe.reading.senders import listening_programs
         from lcmtools.observe.reports.topic_list_report import TopicList
 
         (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
-        listeners = listeners_text(graph, url) if subscribed or verbose else ""
+        is_told = subscribed or verbose or as_json
+        listeners = listening_programs(graph, url) if is_told else None
     pattern = looking_pattern(namespace, hidden=show_all)
     listed = TopicList(not subscribed, not published, verbose, show_types, rates, listeners)
     known = [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
@@ -57,5 +58,7 @@ def command(
     none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
     write_result(list(map(listed.record, topics)), rows, as_json=as_json, none=none)
     if subscribed and listeners and not verbose:
-        notify(f"it is not seen to which channels these listen: {listeners}")
+        from lcmtools.observe.reports.program_report import listeners_text
+
+        notify(f"it is not seen to which channels these listen: {listeners_text(listeners)}")
     notify_starting(graph, url)

@@ -2,14 +2,14 @@
 
 import socket
 import time
+from collections.abc import Sequence
 
 from lcmtools.bus.processes import Process
 from lcmtools.bus.sockets import SocketTable
-from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Graph, Traffic
+from lcmtools.graph.model import Traffic
 from lcmtools.observe.node_requests import program_place
-from lcmtools.observe.reading.senders import Program, listening_programs, user_name
+from lcmtools.observe.reading.senders import Program, user_name
 from lcmtools.observe.reports.describe import (
     Kinds,
     candidates_text,
@@ -32,9 +32,16 @@ def listed_rows(program: Program) -> list[str]:
     return [text, f"\t{', '.join(parts)}"]
 
 
-def listeners_text(graph: Graph, url: BusUrl) -> str:
-    """Return the programs that are no nodes and receive from a bus; "" for none that is seen."""
-    return ", ".join(map(program_text, listening_programs(graph, url) or ()))
+def listeners_text(listeners: Sequence[Program] | None) -> str:
+    """Return the programs that may receive a topic; "" for none that is seen."""
+    return ", ".join(map(program_text, listeners or ()))
+
+
+def listeners_record(listeners: Sequence[Program] | None) -> list[dict[str, object]] | None:
+    """Return the same for JSON; null if they cannot be seen."""
+    if listeners is None:
+        return None
+    return [{"program": program_text(one), "pid": pid_of(one)} for one in listeners]
 
 
 def rows(program: Program, now: int, *, quiet: bool) -> list[str]:

@@ -4,7 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from lcmtools.graph.model import Topic
+from lcmtools.observe.reading.senders import Program
 from lcmtools.observe.reports.describe import by_computer, topic_kinds, type_text, types_record
+from lcmtools.observe.reports.program_report import listeners_record, listeners_text
 
 
 class TopicList(NamedTuple):
@@ -15,7 +17,7 @@ class TopicList(NamedTuple):
     verbose: bool  # in sections, as in rostopic
     types: bool  # show each topic's type
     rates: Mapping[str, float] | None  # [Hz] by topic; None if not shown
-    listeners: str = ""  # programs that may subscribe to any topic
+    listeners: Sequence[Program] | None = ()  # that may subscribe to any topic; None if unseen
 
     def has(self, topic: Topic) -> bool:
         """Return whether a topic is listed."""
@@ -49,6 +51,7 @@ class TopicList(NamedTuple):
             "publishers": [node.name for node, _ in topic.publishers],
             "subscribers": [node.name for node, _ in topic.subscribers],
             "other_senders": [seen.sender and str(seen.sender) for seen in topic.foreign],
+            "possible_subscribers": listeners_record(self.listeners),
         }
         return record if self.rates is None else {**record, "rate": self.rates.get(topic.name)}
 
@@ -63,7 +66,7 @@ class TopicList(NamedTuple):
         for is_shown, title, counts, noun in sections:
             if is_shown:
                 rows += [title, *(self._row(t, n, noun) for t, n in counts.items() if n)]
-                unseen = self.listeners if noun == "subscriber" else ""
+                unseen = listeners_text(self.listeners) if noun == "subscriber" else ""
                 rows += [f" * not known: {unseen}"] * bool(unseen) + [""]
         return rows
 

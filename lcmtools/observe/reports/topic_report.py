@@ -14,7 +14,7 @@ from lcmtools.observe.reports.describe import (
     type_text,
     types_record,
 )
-from lcmtools.observe.reports.program_report import pid_of, program_text
+from lcmtools.observe.reports.program_report import listeners_record, listeners_text
 
 _UNSEEN = "they listen to the bus; on which channels is not seen"
 
@@ -43,7 +43,7 @@ def rows(
     found += ["", *_section("Publishers", published), ""]
     if listeners is None and not subscribed:
         return [*found, "Subscribers: not known of programs that are no nodes", "", ""]
-    names = ", ".join(map(program_text, listeners or ()))
+    names = listeners_text(listeners)
     subscribed += [[f"not known: {names}", _UNSEEN]] if names else []
     return [*found, *_section("Subscribers", subscribed), "", ""]
 
@@ -73,9 +73,7 @@ def record(
             }
             for text, seen in _programs(topic)
         ],
-        # it is not seen on which channels these programs listen
-        "possible_subscribers": listeners
-        and [{"program": program_text(one), "pid": pid_of(one)} for one in listeners],
+        "possible_subscribers": listeners_record(listeners),
     }
 
 
