@@ -153,9 +153,9 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     near: list[Statement] = []
     unknown: list[Statement] = []
     foreign: list[Statement] = []
-    own_types = type_files()
     numbers = {number for seen in evidence.graph.traffic for number in seen.fingerprints}
     known = {number for number in numbers if candidates(number)}
+    own_types = type_files() if numbers - known else {}  # seldom needed, and slow
     formats = {(one.channel, one.sender): one.format for one in evidence.streams}
     for topic in evidence.graph.topics():
         if is_hidden(topic.name):
