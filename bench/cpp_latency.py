@@ -14,7 +14,7 @@ from statistics import median
 
 from common import bus, isolate, rounds_asked, show
 
-from lcmtools.packages.cpp import compiler_flags
+from lcmtools.packages.cmake import compiler_flags
 
 _SOURCE = Path(__file__).parent / "cpp" / "latency.cpp"
 _FIGURES = ("median [us]", "99 % [us]", "CPU [us]")

@@ -18,6 +18,7 @@ import pybullet
 from common import parser, show
 
 from lcmtools_sim.geometry import Vector, from_euler
+from lcmtools_sim.sensors.cameras import noisy
 from lcmtools_sim.shapes import Cuboid, Part
 from lcmtools_sim.vision.camera import Camera, optical
 from lcmtools_sim.vision.color import color_image
@@ -28,7 +29,6 @@ from lcmtools_sim.vision.messages import (
     depth_message,
     in_millimetres,
 )
-from lcmtools_sim.vision.noise import noisy
 from lcmtools_sim.vision.render import Rendering, render
 from lcmtools_sim.vision.scan import Numbers, Scanner
 from lcmtools_sim.vision.solids import Floats, solids_of

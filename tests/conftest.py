@@ -74,8 +74,10 @@ def pytest_configure(config):
     for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):  # of the make that runs the tests
         os.environ.pop(name, None)
     os.environ["BROWSER"] = "true"  # for systems that always have a display
-    hypothesis.settings.register_profile("no deadline", deadline=None)
-    hypothesis.settings.load_profile("no deadline")  # how long an example takes is no matter
+    examples = max(1, int(30 * float(os.environ.get("LCMTOOLS_FUZZ", "1"))))
+    # how long an example takes is no matter
+    hypothesis.settings.register_profile("short", deadline=None, max_examples=examples)
+    hypothesis.settings.load_profile("short")
     if config.getoption("numprocesses", None):
         return  # the workers do the rest, who start the processes
     for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):

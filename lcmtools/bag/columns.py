@@ -280,7 +280,6 @@ def _rows(parts: "Sequence[Array]") -> "Array":
 
 
 def _paths(cls: type[Message], path: str) -> Iterator[str]:
-    """Yield the paths of the columns of a type."""
     for part in visible_fields(cls):
         if part.message_class is None:
             yield f"{path}{part.name}"

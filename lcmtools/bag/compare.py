@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 
 from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.text_table import plural
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,8 @@ class TopicDifference:
             return f"{self.topic}: the same {self.first} messages in another order"
         if not self.first or not self.second:
             where = "first" if self.first else "second"
-            return f"{self.topic}: only in the {where} log ({self.first or self.second} messages)"
+            count = plural(self.first or self.second, "message")
+            return f"{self.topic}: only in the {where} log ({count})"
         parts = [f"{self.only_first} only in the first"] * bool(self.only_first)
         parts += [f"{self.only_second} only in the second"] * bool(self.only_second)
         equal = self.first - self.only_first

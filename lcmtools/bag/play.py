@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bag.commands import Conflict, LastCommands, conflicts, reasons, way_out
-from lcmtools.bag.player import Player, Position
-from lcmtools.bag.player_keys import press
+from lcmtools.bag.player import Player, Position, press
 from lcmtools.bag.playlist import Choice, Played, Playlist, Track
 from lcmtools.bag.summary_report import span_text
 from lcmtools.bag.times import LogTime, time_window
@@ -169,8 +168,6 @@ class _Session:
         wait_until(lambda: there <= {node.id for node in self._node.graph().nodes}, _ANSWERED)
 
     def wait_for_subscribers(self) -> None:
-        """Wait until each topic has a node that subscribes to it."""
-
         def missing() -> list[str]:
             return [topic for topic, one in self._publishers.items() if not one.subscriber_count()]
 
@@ -297,12 +294,10 @@ class _Watch(AbstractContextManager["_Watch"]):
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def __enter__(self) -> "_Watch":
-        """Begin to check."""
         self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Stop checking."""
         self._is_over.set()
         self._thread.join(timeout=1.0)
 

@@ -102,7 +102,6 @@ class _ContinuousLog(LogFile):
         return (event._replace(time=event.time + self._later(event)) for event in found)
 
     def recorded_time(self, time: int) -> int:
-        """Return the time of recording for a time of playing."""
         return time - self._parts[bisect_right(self._parts, time, key=itemgetter(0)) - 1][1]
 
     def _later_from(self, time: int, latest: int) -> int:

@@ -327,7 +327,6 @@ class BagRecorder(AbstractContextManager["BagRecorder"]):
             self._overflows_of_others = of_all - self._overflows
 
     def _do_due_work(self, now: float) -> None:
-        """Do the work that is due."""
         is_time = now >= self._next_look
         self._count_overflows(look_at_others=is_time)
         if is_time:

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
+from lcmtools.bag.index_notes import recorded_types
 from lcmtools.bag.output import output_beside
-from lcmtools.bag.recorded_types import recorded_types
 from lcmtools.bag.summary import Progress, known_nodes
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.protocol import head_of

@@ -348,7 +348,6 @@ class RosTypes(Conversion):
         return found[name] if Conversion(trial, self.version).fits(cls, name) else None
 
     def _described(self, cls: type[Message]) -> _Described:
-        """Return a type with the fields of a class."""
         return [], [*self._described_fields(cls)]
 
     def _described_fields(self, cls: type[Message]) -> "Iterator[tuple[str, _Described]]":

@@ -7,7 +7,7 @@ from datetime import datetime, timezone
 from lcmtools.bag.summary import LogSummary, TopicSummary
 from lcmtools.graph.drawing.labels import printable
 from lcmtools.observe.reports.describe import kinds_text, size_text
-from lcmtools.text_table import text_table
+from lcmtools.text_table import plural, text_table
 
 _LEVELS = " ▁▂▃▄▅▆▇█"
 _HEAD = ("TOPIC", "TYPE", "MESSAGES", "RATE", "SIZE", "TOTAL", "LONGEST GAP", "SENDERS")
@@ -87,7 +87,7 @@ def record(summary: LogSummary) -> dict[str, object]:
 def _facts(summary: LogSummary) -> Iterator[tuple[str, str]]:
     """Yield what is known of the whole log, each a key and a value."""
     yield "path:", summary.path
-    yield "size:", f"{size_text(summary.bytes)} in {summary.messages} messages"
+    yield "size:", f"{size_text(summary.bytes)} in {plural(summary.messages, 'message')}"
     if summary.messages:
         yield "duration:", span_text(summary.duration)
         yield "start:", time_text(summary.start)

@@ -84,13 +84,11 @@ class _Copier:
     def carry_nodes(
         self, source: LogFile, change: Callable[[RecordedNode], RecordedNode], later: int
     ) -> None:
-        """Carry over the announcements of nodes."""
         for node in map(change, source.index.nodes):
             sender = self._number(source.senders.get(node.sender))
             self._writer.add_node(RecordedNode(node.time + later, sender, node.payload))
 
     def copy(self, packets: Iterable[Packet], progress: Progress) -> None:
-        """Copy messages."""
         written = 0
         for packet in packets:
             self._writer.add(packet, self._number(packet.sender))

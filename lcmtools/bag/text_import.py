@@ -116,7 +116,6 @@ class _RowReader:
         self._has = cache(self._find)
 
     def message(self, cls: type[Message], name: str, row: Mapping[str, str]) -> dict[str, object]:
-        """Return the fields of a message."""
         found = {}
         for part in visible_fields(cls):
             value = self._value(part, f"{name}.{part.name}", part.depth, "", row)

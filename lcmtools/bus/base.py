@@ -48,7 +48,7 @@ class Bus(ABC):
         """Return the number of messages on a channel that are known to have been lost."""
         return 0
 
-    def unsent(self) -> tuple[str, Mapping[str, int]]:
+    def dropped(self) -> tuple[str, Mapping[str, int]]:
         """Return the address at the other end of a line that is full, "" if none is known.
 
         Also the number of messages of each channel that were never sent because of such lines.

@@ -16,6 +16,7 @@ import time
 from collections.abc import Iterable, Iterator
 from itertools import chain
 
+from lcmtools.bounded import MOST_ENTRIES
 from lcmtools.wire.packet import Datagram, Sender
 
 _SLOTS = 64  # datagrams that are taken with one call
@@ -31,7 +32,6 @@ _KINDS = {  # see kernel.request_arrival; by index among a slot's eight-byte wor
     place: struct.unpack("@Q", struct.pack("@ii", *kind))[0]
     for place, kind in {3: (socket.SOL_SOCKET, 35), 7: (socket.IPPROTO_IP, socket.IP_TTL)}.items()
 }
-_MOST_SENDERS = 1000  # senders that are remembered
 _IS_POSSIBLE = sys.platform == "linux" and _HEADER.size == _SIZE + 8
 
 
@@ -104,7 +104,7 @@ class DatagramBatch:
         ]
 
     def _add_sender(self, source: int) -> Sender:
-        if len(self._senders) >= _MOST_SENDERS:
+        if len(self._senders) >= MOST_ENTRIES:
             self._senders.clear()
         port, address = struct.unpack(">2xH4s", struct.pack("@Q", source))
         sender = self._senders[source] = Sender(socket.inet_ntoa(address), port)

@@ -91,6 +91,7 @@ class GroupReceiver:
         short: Those for short messages, at first the one for all.
         since: The time of dividing the sockets [ns], 0 if nothing from before is left.
         is_filtered: True if the system drops what is not wanted.
+        held: Datagrams that were read, and that ``read`` has not returned yet.
         has_times: True if the system gives each datagram's receive time.
         is_stream: Set to read many short messages with one call from now on.
         has_room: True if two messages as large as the largest so far fit into the buffers together.
@@ -125,7 +126,7 @@ class GroupReceiver:
         self.overflows = 0  # as of ``count_overflows``
         self._dropped: dict[socket.socket, int] = {}  # when they were looked at last
         self._freed: Counter[socket.socket] = Counter()  # bytes of their buffers since then
-        self._held: list[Datagram] = []
+        self.held: list[Datagram] = []
         self._batches: dict[socket.socket, DatagramBatch | None] = {}
         self.is_stream = self.has_room = self.is_filtered = False
         self._poll = select.poll()
@@ -224,20 +225,15 @@ class GroupReceiver:
         found = {number for number, _ in self._poll.poll(timeout * 1000)}
         return [one for one in self.all if one.fileno() in found] if found else []
 
-    @property
-    def has_more(self) -> bool:
-        """True if datagrams were read that ``read`` has not returned yet."""
-        return bool(self._held)
-
     def read(self, most: int) -> Iterable[Datagram]:
         """Return what has arrived, about ``most`` datagrams of each socket, in order of arrival.
 
         Datagrams that arrive while several sockets are read wait for the next turn: an earlier one
         may have arrived at a socket that was read already.
         """
-        if len(self.all) == 1 and not self._held:
+        if len(self.all) == 1 and not self.held:
             return self.datagrams(self.all[0], most)
-        now, arrived = time.time_ns(), self._held
+        now, arrived = time.time_ns(), self.held
         # what was held once waits no longer: a clock that was set back may need hours
         until = max(now, _TIME(arrived[-1])) if arrived else now
         is_full = False
@@ -254,7 +250,7 @@ class GroupReceiver:
         arrived.sort(key=_TIME)
         first = bisect_left(arrived, self.since, key=_TIME) if self._is_observer else 0
         last = bisect_right(arrived, until, key=_TIME)
-        self._held = arrived[last:]
+        self.held = arrived[last:]
         if not is_full:  # nothing older is left; the clock may be set back later
             self.since = 0
         return arrived[first:last]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 from lcmtools.bus.liblcm import QUEUE_CAPACITY, Connection, Instance
-from lcmtools.bus.line_buffer import Ends, LineBuffers
+from lcmtools.bus.line_buffer import Addresses, LineBuffers
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
 from lcmtools.wire import sequence
@@ -70,7 +70,7 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
         instance = self._connection.instance
         with contextlib.suppress(OSError):
             if instance is not None and self._url.provider == "tcpq":
-                return "{}:{}".format(*Ends.of(instance.fileno()).own)
+                return "{}:{}".format(*Addresses.of(instance.fileno()).own)
         return ""
 
     def receive(self, timeout: float, also: Sequence[socket.socket] = ()) -> list[Packet]:
@@ -89,7 +89,7 @@ class LcmObserver(contextlib.AbstractContextManager["LcmObserver"]):
 
     def _subscribe(self, instance: Instance) -> None:
         if self._url.provider == "tcpq":
-            self._lines.follow([Ends.of(instance.fileno())])
+            self._lines.follow([Addresses.of(instance.fileno())])
 
         def collect(channel: str, payload: bytes) -> None:
             self._packets.append(Packet(channel, payload, time.time_ns()))

@@ -66,17 +66,17 @@ class LineBuffer:
         _limit(connection, self._bytes)
 
 
-class Ends(NamedTuple):
+class Addresses(NamedTuple):
     """The two addresses of a connection, which identify it in a process."""
 
     own: tuple[str, int]
     other: tuple[str, int]
 
     @classmethod
-    def of(cls, descriptor: int) -> "Ends":
-        """Return the ends of a connection by its descriptor; OSError if it has none."""
+    def of(cls, descriptor: int) -> "Addresses":
+        """Return the addresses of a connection by its descriptor; OSError if it has none."""
         with duplicate(descriptor) as connection:
-            return _ends(connection)
+            return _addresses(connection)
 
     @property
     def is_here(self) -> bool:
@@ -88,16 +88,16 @@ class LineBuffers:
     """The buffers of connections that another library has opened in this process."""
 
     def __init__(self) -> None:
-        self._known: dict[Ends, tuple[int, LineBuffer]] = {}
+        self._known: dict[Addresses, tuple[int, LineBuffer]] = {}
 
-    def follow(self, wanted: Iterable[Ends]) -> None:
+    def follow(self, wanted: Iterable[Addresses]) -> None:
         """Limit the buffers of these connections from now on, and of no others."""
         missing = {ends for ends in wanted if not ends.is_here}
         self._known = {ends: kept for ends, kept in self._known.items() if ends in missing}
         missing -= self._known.keys()
         for descriptor in open_descriptors() if missing else ():
             with contextlib.suppress(OSError), duplicate(descriptor) as connection:
-                if (ends := _ends(connection)) in missing:
+                if (ends := _addresses(connection)) in missing:
                     self._known[ends] = descriptor, LineBuffer(connection)
 
     def adjust(self, now: float) -> None:
@@ -105,7 +105,7 @@ class LineBuffers:
         for ends, (descriptor, buffer) in list(self._known.items()):
             # another file may have got the number meanwhile
             with contextlib.suppress(OSError), duplicate(descriptor) as connection:
-                if _ends(connection) == ends:
+                if _addresses(connection) == ends:
                     buffer.adjust(connection, now)
 
     def full(self, now: float) -> list[str]:
@@ -114,13 +114,13 @@ class LineBuffers:
         return sorted({ends.other[0] for ends in recent})
 
 
-def _ends(connection: socket.socket) -> Ends:
-    return Ends(connection.getsockname()[:2], connection.getpeername()[:2])
+def _addresses(connection: socket.socket) -> Addresses:
+    return Addresses(connection.getsockname()[:2], connection.getpeername()[:2])
 
 
 def _is_here(connection: socket.socket) -> bool:
     with contextlib.suppress(OSError):
-        return _ends(connection).is_here
+        return _addresses(connection).is_here
     return True  # it is broken already
 
 

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from lcmtools.bus.wakeup import WakeupEvent
 
 _PATIENCE = 0.015  # [s] that a leader may be away; up to twice as long happens
+_MOST_PATIENT = 8  # times as long
 _LONGEST_TURN = 1.0  # [s] that closing waits for a receiving thread
 _LOOK_AGAIN = 0.001  # [s]
 _HERE, _AWAY, _OUTSIDE = 1, 2, 3  # before ``come``: receiving, in a callback, in no wait
@@ -34,6 +35,7 @@ class ReceiveRight:
         is_away: No leader receives now; written by the leader only.
         is_taken: The bus's own thread receives, or is about to.
         turns: Times that a leader went away.
+        is_pressing: False if more than a moment's messages fit into the buffer.
         own: The bus's own thread.
         wakeup: Wakes the thread that receives, or the next one.
         is_closed: Set at the end, before ``wake``.
@@ -44,6 +46,7 @@ class ReceiveRight:
         self.leader = self.latest = self.own = self.turns = 0
         self.is_away = self.is_taken = True
         self.is_closed = False
+        self.is_pressing, self._patience = True, 1
         self.wakeup = WakeupEvent()
         self.lead = threading.Lock()
         self.receiving = threading.Lock()
@@ -117,8 +120,12 @@ class ReceiveRight:
                 break
             else:  # the leader comes and goes: its next turn need not wake this thread
                 turns = self.turns
-                if not self._alarm.acquire(timeout=_PATIENCE):  # else an earlier turn woke it
+                # else an earlier turn woke it
+                if not self._alarm.acquire(timeout=self._patience * _PATIENCE):
                     self._seen = turns
+                    # a leader that is often in long callbacks is soon found in one
+                    is_impatient = self.is_away or self.is_pressing
+                    self._patience = 1 if is_impatient else min(2 * self._patience, _MOST_PATIENT)
         self.is_taken = True
 
     def wake(self) -> None:

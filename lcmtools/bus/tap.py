@@ -163,7 +163,7 @@ class Tap(contextlib.AbstractContextManager["Tap"]):
         packets = self._read_after_nap(timeout) if self._is_streaming() else []
         if not packets:
             start = time.monotonic()
-            has_more = self._sockets.has_more
+            has_more = bool(self._sockets.held)
             has_any = bool(self._sockets.ready(0.0 if has_more else timeout))
             is_soon = time.monotonic() - start < _STREAM_GAP
             self._turns = self._turns + has_any if is_soon else 0

@@ -107,7 +107,7 @@ def open_monitor(
         observer,
         whole=whole,
         plays=plays,
-        on_outage=lambda text: write_note(f"lcmtools {tool}: {text}"),
+        on_outage=lambda text: write_note(f"lcmtools {tool.replace('_', ' ')}: {text}"),
         on_shutdown=lambda: signal.raise_signal(signal.SIGTERM),
         asked=asked,
     )

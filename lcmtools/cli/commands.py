@@ -30,8 +30,8 @@ pub    cli.topic.pub:command           Publish messages written in YAML.
 hz     cli.topic.hz_bw_delay:hz        Measure the rate of topics.
 bw     cli.topic.hz_bw_delay:bw        Measure the bandwidth of topics.
 delay  cli.topic.hz_bw_delay:delay     Measure the delay of a topic's messages.
-type   cli.topic.type_find:print_type  Print a topic's type.
-find   cli.topic.type_find:find        List the topics of a type.
+type   cli.topic.info:print_type       Print a topic's type.
+find   cli.topic.info:find             List the topics of a type.
 """)
 topic = _group("topic", "Look at topics and publish on them.", TOPIC_VERBS, "list", "echo /chatter")
 _NODE = _entries("""\
@@ -112,17 +112,17 @@ play        cli.bag.play:command           Publish the messages of logs again, a
 rerun       cli.bag.rerun:command          Test a program with a recording.
 info        cli.bag.info:info              Show what is in logs.
 plot        cli.plot:of_log                Draw fields of a log over time.
-filter      cli.bag.filter_cut:filter_     Write the messages that meet a condition.
-cut         cli.bag.filter_cut:cut         Write the part between two times.
-merge       cli.bag.merge_sort_fix:merge   Merge logs into one.
-sort        cli.bag.merge_sort_fix:sort    Sort messages by time.
-rename      cli.bag.rename_shift:rename    Rename topics.
-shift       cli.bag.rename_shift:shift     Change the recorded times.
-downsample  cli.bag.filter_cut:downsample  Reduce the rate of topics.
+filter      cli.bag.edit:filter_           Write the messages that meet a condition.
+cut         cli.bag.edit:cut               Write the part between two times.
+merge       cli.bag.edit:merge             Merge logs into one.
+sort        cli.bag.edit:sort              Sort messages by time.
+rename      cli.bag.edit:rename            Rename topics.
+shift       cli.bag.edit:shift             Change the recorded times.
+downsample  cli.bag.edit:downsample        Reduce the rate of topics.
 check       cli.bag.check_diff_du:check    Check a log against a contract.
 diff        cli.bag.check_diff_du:diff     Compare two logs.
 du          cli.bag.check_diff_du:du       Show which topics take the most space.
-fix         cli.bag.merge_sort_fix:fix     Recover what can be read from a damaged log.
+fix         cli.bag.edit:fix               Recover what can be read from a damaged log.
 reindex     cli.bag.info:reindex           Write the index of a log.
 export      cli.bag.export_import:export_  Write a log as CSV, JSON, NumPy, Parquet, MCAP, ROS bag.
 import      cli.bag.export_import:import_  Convert a ROS bag or an MCAP file to a log.
@@ -186,7 +186,7 @@ sim = _group(
 _LAB = _entries("""\
 list      labs.commands.lab:list_labs  List the labs.
 start     labs.commands.lab:start      Run a lab's simulator.
-check     labs.commands.check:command  Check the programs of a lab.
+check     labs.commands.lab:check      Check the programs of a lab.
 skeleton  labs.commands.lab:skeleton   Copy a lab's node to complete.
 """)
 lab = _group(

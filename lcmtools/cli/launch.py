@@ -14,8 +14,7 @@ from lcmtools.cli.launch_screen import Screen
 from lcmtools.cli.options import bus_options, json_option
 from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import UsageError
-from lcmtools.launch.command_line import read_words
-from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input
+from lcmtools.launch.file import STANDARD_INPUT, read_file, read_standard_input, read_words
 from lcmtools.launch.logs import make_folder
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.plan import NodePlan, Output, Plan

@@ -14,8 +14,14 @@ from lcmtools.cli.output import write_note, write_result
 from lcmtools.errors import LcmtoolsError, UsageError
 from lcmtools.messages.registry import packages
 from lcmtools.messages.type_source import shown
-from lcmtools.packages.cmake import build_cpp, has_cpp
-from lcmtools.packages.cpp import compiler_flags, cpp_folder, find_liblcm, wheel_prefix
+from lcmtools.packages.cmake import (
+    build_cpp,
+    compiler_flags,
+    cpp_folder,
+    find_liblcm,
+    has_cpp,
+    wheel_prefix,
+)
 from lcmtools.packages.cpp_nodes import undeclared_sources
 from lcmtools.packages.create import NewPackage, check, create
 from lcmtools.packages.finding import find_packages, package_places, unknown_package

@@ -167,7 +167,6 @@ def run_relay(urls: tuple[BusUrl, BusUrl], rules: Rules, name: str) -> None:
 
 
 def _summary(link: Link) -> str:
-    """Return a sentence with the totals of a relay."""
     here, there = link.ends
     carried = [
         f"{plural(end.messages, 'message')} ({size_text(end.bytes)}) to {end.bus}"

@@ -70,7 +70,6 @@ def _make(words: Sequence[str]) -> list[str]:
 
 
 def _catkin(words: Sequence[str]) -> list[str]:
-    """Translate a verb of catkin or colcon."""
     verb, rest = words[0] if words else "", words[1:]
     if verb == "build":
         return _build(rest)

@@ -159,7 +159,6 @@ def _find(words: Sequence[str], known: Sequence[Runnable]) -> tuple[Runnable, li
 
 
 def _become(command: Sequence[str], arguments: Sequence[str]) -> NoReturn:
-    """Replace this process by a program, on the chosen bus."""
     bus = bus_choice()
     is_chosen = bool(bus.url or bus.domain)
     environment = {**os.environ, **({"LCM_DEFAULT_URL": str(chosen_url())} if is_chosen else {})}

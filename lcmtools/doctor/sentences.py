@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from lcmtools.doctor.findings import Finding, Statement, Subject, Unchecked
 from lcmtools.observe.measuring.counters import duration_text
+from lcmtools.text_table import plural
 
 _MOST = 8  # names in a row
 
@@ -117,6 +118,7 @@ _SPECS: Mapping[str, Callable[[Any], str]] = {
     "holds": lambda size: f"holds {size} bytes" if size else "is too small",
     "kills": lambda pids: " " + " or ".join(f"(kill {pid})" for pid in pids) if pids else "",
     "list": lambda values: ", ".join(_first(values)),
+    "messages": lambda count: plural(count, "message"),
     "namespaces": lambda names: ", ".join(f"__ns:={name}" for name in names),
     "not": lambda target: f", not {target:g}" if target != 1 else "",
     "run": lambda several: "runs" if len(several) == 1 else "run",

@@ -2,6 +2,9 @@
 
 A page is sent updates only as fast as it accepts them. Meanwhile, each stream keeps the newest, so
 that a slow page sees less, while neither the bus nor the memory suffers.
+
+A request is a function and a line in ``ASKS`` or, if it needs the right to command, in ``ACTIONS``.
+It runs on its own thread, so that it may block.
 """
 
 import asyncio
@@ -10,13 +13,14 @@ import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager, nullcontext
+from importlib import import_module
+from typing import TypeAlias
 
 from websockets.asyncio.server import ServerConnection
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.access import COMMAND, PLAY
-from lcmtools.gui.dead_man import TOO_LATE
-from lcmtools.gui.lateness import LATEST_ACTION, LATEST_DRIVE, Lateness
+from lcmtools.gui.dead_man import LATEST_ACTION, LATEST_DRIVE, TOO_LATE, Lateness
 from lcmtools.gui.protocol import (
     Frame,
     Json,
@@ -25,10 +29,47 @@ from lcmtools.gui.protocol import (
     read_request,
     text_frame,
 )
-from lcmtools.gui.requests import ACTIONS, ASKS, answer
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams import stream_class
 from lcmtools.gui.streams.pool import OpenStream, StreamPool
+
+Answer: TypeAlias = Callable[..., Json]
+"""Returns the answer to a source and the request's values as keyword arguments.
+
+An LcmtoolsError is shown to the user.
+"""
+
+ASKS = {
+    "color maps": "streams.image:color_maps",
+    "node-parameters": "node_parameters:read",
+    "numbers": "choices:numbers",
+    "timeline": "playback:timeline",
+    "topics": "choices:topics",
+    "type": "type_forms:describe",
+    "types": "type_forms:names",
+}
+"""The module and the function of each question."""
+ACTIONS = {
+    "call": "service_calls:call",
+    "play": "playback:play",
+    "publish": "streams.message_form:publish",
+    "record": "streams.recording:record",
+    "send-pose": "simulators:send_pose",
+    "set-parameter": "node_parameters:change",
+    "simulate": "simulators:simulate",
+    "stop-recording": "streams.recording:stop",
+}
+"""The same for each action, which only a page with the right to command may request."""
+
+
+def answer(name: str, table: Mapping[str, str]) -> Answer:
+    """Return the function of a request; MalformedRequest if there is none with this name."""
+    if name not in table:
+        raise MalformedRequest(f"there is no request '{name[:40]}'")
+    module, attribute = table[name].split(":")
+    found: Answer = getattr(import_module(f"lcmtools.gui.{module}"), attribute)
+    return found
+
 
 _MOST_STREAMS = 300  # a world panel has one for each topic of each robot
 _MOST_REQUESTS = 8  # pending requests; with more, a page waits for the first answer

@@ -13,12 +13,12 @@ from typing import TypeVar
 
 from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
+from lcmtools.formats.strict_yaml import Node
+from lcmtools.formats.typed import Item
 from lcmtools.launch.packages import package_folder
 from lcmtools.launch.substitution import Known, substitute
 from lcmtools.launch.tags import END_OF_WORD, unknown_attributes
 from lcmtools.names import check_legal, resolve
-
-_TRUTH = {"true": True, "1": True, "false": False, "0": False}
 
 T = TypeVar("T")
 
@@ -79,24 +79,17 @@ class Scope:
         return text
 
     def flag(self, element: Element, name: str, *, default: bool = False) -> bool:
-        """Return True if an attribute is true."""
-        if name not in element.attributes:
-            return default
-        text = self.text(element, name).strip()
-        if text.lower() not in _TRUTH:
-            raise element.error(f"'{name}' must be true or false, not '{text}'")
-        return _TRUTH[text.lower()]
+        """Return True if an attribute is true, or 1."""
+        value = self._value(element, name, str(default))
+        return value.content == "1" or (value.content != "0" and value.flag())
 
     def seconds(self, element: Element, name: str) -> float:
         """Return a number of seconds, 0 if it is not given."""
-        text = self.text(element, name, "0")
-        try:
-            value = float(text)
-        except ValueError:
-            value = -1.0
-        if not 0 <= value < float("inf"):
-            raise element.error(f"'{name}' must be a number of seconds, not '{text}'")
-        return value
+        return self._value(element, name, "0").number(0.0)
+
+    def _value(self, element: Element, name: str, default: str) -> Item:
+        text = self.text(element, name, default).strip()
+        return Item(name, element.source, Node(text, element.line))
 
     def holds(self, element: Element) -> bool:
         """Return True if an element applies, by its ``if`` and ``unless``."""

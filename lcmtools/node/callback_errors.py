@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from types import TracebackType
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.graph.model import CallbackError
 from lcmtools.message_value import name_fields
 from lcmtools.node.logger import Logger, Place, sendable
@@ -44,7 +45,8 @@ class CallbackErrors:
     def __init__(self, logger: Logger, announce: Callable[[], None]) -> None:
         self._logger = logger
         self._announce = announce
-        self._seen: dict[tuple[str, str, str], _Seen] = {}  # by callback, class and place
+        # by callback, class and place
+        self._seen = BoundedDict[tuple[str, str, str], _Seen](_MOST_KEPT)
 
     def add(self, callback: str, error: BaseException, function: object) -> None:
         """Log and count one exception of a callback, named as in ``CallbackError``."""
@@ -53,8 +55,6 @@ class CallbackErrors:
         key = (callback, type(error).__name__, sendable(f"{Path(place[0]).name}:{place[1]}"))
         now, seen = time.monotonic(), self._seen.get(key)
         if seen is None:
-            while len(self._seen) >= _MOST_KEPT:
-                self._seen.pop(next(iter(self._seen)))
             seen = self._seen[key] = _Seen(now + _FIRST_PAUSE)
             trace = "".join(traceback.format_exception(type(error), error, _users_part(error)))
             text = f"{_words(callback)} raised {key[1]}: {error}\n{trace.rstrip()}"

@@ -27,7 +27,7 @@ from lcmtools.node.callbacks import Callbacks
 from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.node.lockstep import join_lockstep
 from lcmtools.node.logger import Logger
-from lcmtools.node.subscription import Turn
+from lcmtools.node.subscription import NO_TURN, Turn
 from lcmtools.node.unused_arguments import UsedNames
 from lcmtools.settings import usual_namespace
 
@@ -142,7 +142,7 @@ class Context:
         deadline = None if timeout is None else time.monotonic() + timeout
         self.run(callbacks, is_over, deadline=deadline, is_once=True)
 
-    def run(  # noqa: C901, PLR0912 - without calls: it is the path of each message
+    def run(  # noqa: C901 - without calls: it is the path of each message
         self,
         callbacks: Sequence[Callbacks],
         is_over: Callable[[], bool] | None = None,
@@ -154,14 +154,13 @@ class Context:
 
         With ``is_once``, only until one or more have run.
         """
-        before, turn, thread = [one.turn for one in callbacks], Turn(), get_ident()
+        turn, thread = Turn(), get_ident()
         wakeup = self._wakeups.get(thread)
-        for one in callbacks:
-            one.turn = turn
         try:
             while not (self._stopping or (is_over and is_over())):
                 has_run = False
                 for one in callbacks:
+                    one.turn = turn  # again: a callback may have spun its node
                     if one.ready or one.timers:
                         has_run = one.run_ready() or has_run
                 if is_once and (has_run or turn.has_run):
@@ -185,8 +184,8 @@ class Context:
                 turn.thread = 0
         finally:
             turn.thread = 0
-            for one, earlier in zip(callbacks, before, strict=True):
-                one.turn = earlier
+            for one in callbacks:
+                one.turn = NO_TURN
 
     def add(self, participant: Participant) -> None:
         """Add a node: announce it, and record that it runs."""

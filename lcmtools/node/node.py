@@ -142,7 +142,7 @@ class Node(Parametric, Factory):
             busy=self.__callbacks.busy(),
             overflows=bus.overflows,
             errors=self.__errors.newest(),
-            full_lines=self.__lines.update(endpoints, bus.unsent(), time.monotonic()),
+            full_lines=self.__lines.update(endpoints, bus.dropped(), time.monotonic()),
         )
 
     def graph(self) -> model.Graph:

@@ -46,6 +46,10 @@ class Turn:
         self.thread, self.has_run = 0, False
 
 
+NO_TURN = Turn()
+"""The wait of nobody."""
+
+
 class Waiting:
     """The callbacks of a node that wait.
 
@@ -56,7 +60,7 @@ class Waiting:
 
     def __init__(self) -> None:
         self.ready: deque[Callable[[], None]] = deque()
-        self.turn = Turn()
+        self.turn = NO_TURN
 
 
 class Subscription:
@@ -116,25 +120,24 @@ class Subscription:
         Called on the receiving thread. A message that others wait before, or that has waited in the
         kernel, is queued: the callback may be too slow for all of them.
         """
+        if self._closed:
+            return
+        self._messages += 1
+        self._bytes += len(payload)
+        self._last_time = time
+        waiting = self.callbacks
+        is_awaited = waiting.turn.thread == get_ident() and not waiting.ready
+        if is_awaited and clock.time_ns() - time < _LATE:
+            self.run(payload)
+            return
         with self._lock:
             if self._closed:
                 return
-            is_awaited = (
-                self.callbacks.turn.thread == get_ident()
-                and not self.callbacks.ready
-                and clock.time_ns() - time < _LATE
-            )
-            if not is_awaited:
-                if len(self._queue) < self.depth:
-                    self.on_ready()
-                else:  # ``on_ready`` was called for the message that the new one displaces
-                    self.drops += 1
-                self._queue.append(payload)
-            self._messages += 1
-            self._bytes += len(payload)
-            self._last_time = time
-        if is_awaited:
-            self.run(payload)
+            if len(self._queue) < self.depth:
+                self.on_ready()
+            else:  # ``on_ready`` was called for the message that the new one displaces
+                self.drops += 1
+            self._queue.append(payload)
 
     def pop(self) -> bytes | None:
         """Return the oldest waiting payload; None if there is none."""

@@ -24,7 +24,6 @@ from lcmtools.wire.packet import Packet
 
 _PING_PERIOD = 1.0  # [s]
 _ASK_AGAIN = 0.5  # [s]; any message on LCM may be lost
-_MOST_REQUESTS = 1000  # whose answers are recognized
 
 
 def _nonce() -> int:
@@ -60,7 +59,7 @@ def _answered(monitor: BusMonitor, node: Node, timeout: float) -> tuple[Node, fl
     if node.stale is Staleness.ENDED:
         raise NothingReceived(f"{node.name} {node.stale}", "lcmtools node cleanup forgets it")
     monitor.receive(0.0)  # a backlog must not count in the measured time
-    begun = BoundedDict[int, float](_MOST_REQUESTS)  # requests, by their nonces
+    begun = BoundedDict[int, float]()  # requests, by their nonces
     deadline, next_request = time.monotonic() + timeout, 0.0
     while (now := time.monotonic()) < deadline:
         if now >= next_request:

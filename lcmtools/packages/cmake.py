@@ -1,7 +1,7 @@
 """Building nodes in C++ with CMake: those of a package, or that of one source.
 
-Belongs here: running CMake, and what is said if a program is missing or a build fails. Must not
-know the command line.
+Belongs here: the headers' folder, liblcm and a compiler's flags, running CMake, and what is said if
+a program is missing or a build fails. Must not know the command line.
 """
 
 import contextlib
@@ -15,12 +15,13 @@ import sys
 import sysconfig
 import tempfile
 from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from lcmtools.errors import LcmtoolsError, MissingExtra
 from lcmtools.folders import cache_folder
 from lcmtools.messages.registry import packages
-from lcmtools.packages.cpp import cpp_folder, find_liblcm
 from lcmtools.packages.cpp_nodes import (
     PROJECT,
     cpp_sources,
@@ -32,6 +33,68 @@ from lcmtools.packages.cpp_nodes import (
 from lcmtools.packages.create import cmake_entry, cmake_text
 from lcmtools.packages.programs import built_program
 from lcmtools.packages.runnable_nodes import Runnable
+
+
+@dataclass(frozen=True, slots=True)
+class Liblcm:
+    """An installed liblcm: its ``prefix`` is "" for that of the system, which pkg-config knows."""
+
+    prefix: str
+    flags: tuple[str, ...]  # of a compiler, to compile and link
+
+
+def cpp_folder() -> Path:
+    """Return the folder to include ``lcmtools/node.hpp`` from; CMake finds its package there."""
+    package = Path(__file__).parents[1]
+    installed = package / "cpp"
+    return installed if installed.is_dir() else package.parent / "cpp"
+
+
+def find_liblcm() -> Liblcm:
+    """Return the system's liblcm, else the one that the Python package lcm brings.
+
+    Raises:
+        MissingExtra: There is none with headers.
+    """
+    flags = _pkg_config_flags("lcm")
+    return Liblcm("", flags) if flags else Liblcm(str(prefix := wheel_prefix()), _flags_of(prefix))
+
+
+def wheel_prefix() -> Path:
+    """Return the folder with ``include/lcm`` and ``lib/liblcm.so`` of the Python package lcm.
+
+    Raises:
+        MissingExtra: It has none.
+    """
+    spec = find_spec("lcm")
+    prefix = Path(spec.origin).parent.parent if spec and spec.origin else Path()
+    if not (prefix / "include" / "lcm" / "lcm.h").is_file():
+        hint = "type: sudo apt install liblcm-dev, or pip install lcm"
+        raise MissingExtra("there is no liblcm with its C++ headers", hint)
+    return prefix
+
+
+def compiler_flags() -> list[str]:
+    """Return the flags that compile and link a node: ``g++ node.cpp FLAGS``."""
+    return ["-std=c++17", f"-I{cpp_folder()}", *find_liblcm().flags, "-pthread"]
+
+
+def _flags_of(prefix: Path) -> tuple[str, ...]:
+    library = prefix / "lib"
+    return (f"-I{prefix / 'include'}", f"-L{library}", f"-Wl,-rpath,{library}", "-llcm")
+
+
+def _pkg_config_flags(module: str) -> tuple[str, ...]:
+    """Return the flags for an installed library; () if pkg-config does not know it."""
+    import subprocess
+
+    program = shutil.which("pkg-config")
+    if program is None:
+        return ()
+    command = [program, "--cflags", "--libs", module]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - pkg-config
+    return tuple(done.stdout.split()) if done.returncode == 0 else ()
+
 
 _NEEDED = {"cmake": "cmake", "c++": "g++", "make": "make"}
 """The programs that building needs, and the packages of Debian and Ubuntu that have them."""

@@ -142,7 +142,7 @@ class TypeModules:
             enum.__file__ = usable.file
             return enum
         try:
-            cls = _message_class(usable, path, self._class)
+            cls = _message_class(usable, path, lambda key: self._module(_path(key)))
             cls()
         except Exception as error:  # a class from a strange file may raise anything
             what = f"{shown(usable.file)}: {one.name} cannot be used as a message: {error}"
@@ -151,20 +151,12 @@ class TypeModules:
         setattr(module, cls.__name__, cls)
         return cls
 
-    def _class(self, key: str) -> tuple[str, type]:
-        """Return a type's full name in Python, and its class."""
-        path = self._module(_path(key))
-        module, _, short = path.rpartition(".")
-        return path, cast("type", getattr(importlib.import_module(module), short))
-
     def _module(self, path: str) -> str:
         return f"{self._source.module}.{path}".rstrip(".")
 
 
-def _message_class(
-    usable: UsableType, module: str, find: Callable[[str], tuple[str, type]]
-) -> OwnType:
-    """Return the class of a struct; ``find`` returns the classes of its fields' types."""
+def _message_class(usable: UsableType, module: str, path_of: Callable[[str], str]) -> OwnType:
+    """Return the class of a struct; ``path_of`` returns the full names of its fields' types."""
     one = usable.type
     words = {*(field.name for field in one.fields), *one.constants}
     names = {word: python_name(word, words) for word in words}
@@ -172,8 +164,9 @@ def _message_class(
     for field in one.fields:
         path, make = field.type, None
         if field.type in usable.parts:
-            is_itself = field.type == one.name  # in an array of variable size
-            path, make = (module, None) if is_itself else find(usable.parts[field.type])
+            path = path_of(usable.parts[field.type])
+            if field.is_fixed:  # one of variable size may lead back to this type
+                make = _class(path)
         kinds.append(path)
         defaults.append(_default(field, field.sizes, make))
     attributes = [names[field.name] for field in one.fields]
@@ -193,6 +186,11 @@ def _message_class(
         **{names[name]: value for name, (_, value) in one.constants.items()},
     }
     return OwnType(short, (OwnMessage,), space)
+
+
+def _class(path: str) -> type:
+    module, _, short = path.rpartition(".")
+    return cast("type", getattr(importlib.import_module(module), short))
 
 
 def _default(field: LcmField, sizes: Sequence[int | str], make: Default | None) -> Default | None:

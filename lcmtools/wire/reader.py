@@ -6,7 +6,7 @@ Sans-I/O: bytes, senders and times come in as arguments, and no datagram makes i
 import struct
 from collections.abc import Iterable
 
-from lcmtools.bounded import BoundedDict
+from lcmtools.bounded import MOST_ENTRIES, BoundedDict
 from lcmtools.names import SELF_TEST_CHANNEL
 from lcmtools.wire.datagram import (
     FRAGMENT_HEADER_BYTES,
@@ -26,8 +26,6 @@ HEAD_BYTES = 1024
 PROTOCOL_PREFIX = "/_lcmtools/"
 """The prefix of the channels of announcements and probes, which are read whole."""
 
-_MOST_SENDERS, _MOST_CHANNELS = 4000, 1000  # that are remembered
-_MOST_MALFORMED = 1000  # senders whose faults are remembered
 _number = struct.Struct(">4xI").unpack_from  # the sequence number of a message
 _new = tuple.__new__  # creates a named tuple in half the time
 
@@ -49,11 +47,11 @@ class Reader:
         """True if it needs more than the first fragment of messages."""
         self.largest_whole = 0
         """The size of the largest fragmented message on channels that are assembled [byte]."""
-        self.malformed = BoundedDict[Sender, str](_MOST_MALFORMED)
+        self.malformed = BoundedDict[Sender, str]()
         """The last error of each sender whose datagrams could not be read."""
-        self.sequences = BoundedDict[Sender, Sequence](_MOST_SENDERS)
+        self.sequences = BoundedDict[Sender, Sequence]()
         """Each sender's sequence numbers, which show its losses."""
-        self.ttls = BoundedDict[Sender, int](_MOST_SENDERS)
+        self.ttls = BoundedDict[Sender, int]()
         """Each sender's time to live: the number of routers that its datagrams may pass."""
 
     def read(self, data: bytes, sender: Sender, time: int, ttl: int | None = None) -> Packet | None:
@@ -100,7 +98,7 @@ class Reader:
     def _decode_channel(self, name: bytes) -> str:
         """Return the channel for encoded bytes; cached, because a stream repeats one name."""
         channel = name.decode("utf-8", "surrogateescape")
-        if len(self._channels) >= _MOST_CHANNELS:
+        if len(self._channels) >= MOST_ENTRIES:
             self._channels.clear()
         self._channels[name] = channel
         return channel

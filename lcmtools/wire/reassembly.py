@@ -14,11 +14,10 @@ _Key = tuple[Hashable, int]
 
 INCOMPLETE = 1_000_000_000
 """[ns] after its latest fragment, an incomplete message is lost."""
-_MOST_UNWANTED = (
-    40  # fragments of one port and size within a period; further ones are to be dropped
-)
+# fragments of one port and size within a period; further ones are to be dropped
+_MOST_UNWANTED = 40
 _PERIOD = 200_000_000  # [ns]
-_MOST_DENIED, _MOST_COUNTED = 16, 1000
+_MOST_DENIED = 16
 _PART_COST = 256  # overhead of keeping a part [byte], so that empty parts count too
 
 
@@ -139,8 +138,8 @@ class UnwantedMessages:
     def __init__(self) -> None:
         self.denied: list[tuple[int, int]] = []
         # when counting began [ns], and the number of fragments
-        self._counts: BoundedDict[tuple[int, int], tuple[int, int]] = BoundedDict(_MOST_COUNTED)
-        self._wanted: BoundedDict[int, None] = BoundedDict(_MOST_COUNTED)  # ports; as a set
+        self._counts = BoundedDict[tuple[int, int], tuple[int, int]]()
+        self._wanted = BoundedDict[int, None]()  # ports; as a set
 
     def note(self, port: int, size: int, now: int) -> bool:
         """Count a fragment without a first one [ns]; return whether ``denied`` has changed."""

@@ -4,9 +4,9 @@ Every robot has a row in a `Vehicles` (vehicles.py), alone or with others. It al
 robot's motors, wheels and encoders, and also its body while the robot is free: on level ground,
 with nothing that it or others could reach until the next update. Otherwise, the engine moves the
 body, and its tyres pull it before each of the engine's steps: with floats (`Robot.pull`) or, if
-many robots of one `Vehicles` are held, with arrays (`HeldRobots`). `_choose_held` decides again ten
-times a second, and `Robot.hand_to` takes the body's motion along to its next owner, before it can
-touch anything.
+many robots of one `Vehicles` are in the engine, with arrays (`RobotsInEngine`).
+`_choose_in_engine` decides again ten times a second, and `Robot.hand_to` takes the body's motion
+along to its next owner, before it can touch anything.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from lcmtools_sim.held import HeldRobots
+from lcmtools_sim.in_engine import RobotsInEngine
 from lcmtools_sim.robot import Robot
 from lcmtools_sim.scene import Scene
 from lcmtools_sim.vehicles import Vehicles
@@ -38,8 +38,8 @@ class Fleet:
         self._period = max(1, round(_PERIOD / scene.dt))
         self._steps = 0  # steps since the last change of the robots
         self._groups: list[tuple[Vehicles, list[Robot]]] = []
-        self._held: list[Robot] = []  # robots that the engine moves, one by one
-        self._many: list[HeldRobots] = []  # the others that it moves, in groups
+        self._in_engine: list[Robot] = []  # robots that the engine moves, one by one
+        self._many: list[RobotsInEngine] = []  # the others that it moves, in groups
         self._free: list[bool] | None = None
         """For each robot of the groups, True if it needs no engine; None initially."""
         self._sizes = [solids_of(thing.parts).reach for thing, _ in world.movable_objects()]
@@ -47,7 +47,7 @@ class Fleet:
     def add(self, robot: Robot) -> None:
         """Add a robot."""
         self.robots.append(robot)
-        self._held.append(robot)
+        self._in_engine.append(robot)
         self._steps = 0
 
     def remove(self, robot: Robot) -> None:
@@ -67,16 +67,16 @@ class Fleet:
         if not self._steps:
             self._join()
         if self._steps % self._period == 0:
-            self._choose_held()
+            self._choose_in_engine()
         self._steps += 1
         for vehicles, _ in self._groups:
             vehicles.step()
-        held: list[Robot | HeldRobots] = [*self._many, *self._held]
-        for one in held:
-            one.pull()
+        in_engine: list[Robot | RobotsInEngine] = [*self._many, *self._in_engine]
+        for robots in in_engine:
+            robots.pull()
         self._world.step()
-        for one in held:
-            one.observe()
+        for robots in in_engine:
+            robots.observe()
 
     def _join(self) -> None:
         """Let robots with the same kind of tyres step together, if they are many."""
@@ -90,7 +90,7 @@ class Fleet:
             parts = [robots] if len(robots) >= _MANY else [[robot] for robot in robots]
             self._groups += [(_joined(part), part) for part in parts]
 
-    def _choose_held(self) -> None:
+    def _choose_in_engine(self) -> None:
         """Determine which robots the engine must move until the next update."""
         self._world.find_rest()
         robots = [robot for _, group in self._groups for robot in group]
@@ -105,17 +105,17 @@ class Fleet:
         self.changes += 1
         for robot, is_free in zip(robots, free, strict=True):
             robot.hand_to(robot.vehicles if is_free else self._world)
-        self._held, self._many = [], []
+        self._in_engine, self._many = [], []
         for vehicles, group in self._groups:
-            held = [robot for robot in group if not robot.is_free]
-            if len(held) < _MANY:
-                self._held += held
+            in_engine = [robot for robot in group if not robot.is_free]
+            if len(in_engine) < _MANY:
+                self._in_engine += in_engine
             else:
-                self._hold_batch(vehicles, held)
+                self._group_in_engine(vehicles, in_engine)
 
-    def _hold_batch(self, vehicles: Vehicles, robots: Sequence[Robot]) -> None:
+    def _group_in_engine(self, vehicles: Vehicles, robots: Sequence[Robot]) -> None:
         rows = [(robot.index, robot.body, robot.motions) for robot in robots]
-        group = HeldRobots(self._world, vehicles, rows, self._fall)
+        group = RobotsInEngine(self._world, vehicles, rows, self._fall)
         self._many.append(group)
         for index, robot in enumerate(robots):
             robot.hand_to(group, index)

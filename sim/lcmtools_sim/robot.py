@@ -1,14 +1,20 @@
-"""One robot of the running simulation: its command, and its body, in the engine or not."""
+"""One robot of the running simulation: its command, and its body, in the engine or not.
+
+A command is a JointState or a Twist, and is interpreted as the speeds of the two sides, without its
+sender and time. Wrong ones are refused with the reason.
+"""
 
 import math
+from collections.abc import Iterable, Sequence
 
-from lcmtools.errors import InvalidFile
+from lcmtools.errors import InvalidFile, ValueMismatch
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
-from lcmtools_sim.drive_command import interpret
+from lcmtools_sim.drive import SideSpeeds, body_velocity, side_speeds
 from lcmtools_sim.engines.engine import Motion
 from lcmtools_sim.geometry import Frame, Pose, yaw_of
-from lcmtools_sim.held import HeldRobots, pulled
+from lcmtools_sim.in_engine import RobotsInEngine, pulled
+from lcmtools_sim.robots.model import RobotModel
 from lcmtools_sim.scene import RobotPlacement, Scene
 from lcmtools_sim.sensors import SENSORS
 from lcmtools_sim.sensors.sensor import RobotState, random_numbers
@@ -23,7 +29,83 @@ from lcmtools_sim.vehicles import (
 from lcmtools_sim.vision.solids import solids_of
 from lcmtools_sim.world import START_OVERLAP, World
 
-Robots = Vehicles | HeldRobots  # several robots, whose states are arrays
+_ROUNDING = 1 + 1e-6  # a controller that limits its own commands may compute in float32
+
+
+def interpret(message: JointState | Twist, model: RobotModel) -> tuple[SideSpeeds, str]:
+    """Return the side speeds [m/s] for a command, within the robot's limits.
+
+    A Twist gives the forward speed and turn rate; a JointState gives the efforts of the sides
+    (fractions of full power) or, without efforts, their wheel speeds [rad/s]. For another message,
+    ValueMismatch names the field. With them comes a text: the first value beyond the robot's
+    limits, to which it is reduced; "" for none.
+    """
+    drive = model.drive
+    if isinstance(message, Twist):
+        forward = _finite("linear.x", message.linear.x)
+        turn_rate = _finite("angular.z", message.angular.z)
+        names = "linear.x", "angular.z"
+    elif not isinstance(message, JointState):
+        what = f"a {type(message).__name__} is not a command"
+        raise ValueMismatch(what, "send a JointState or a Twist")
+    elif message.effort:
+        left, right = _by_side("effort", message.effort, message.name, model)
+        efforts = [(f"effort[{i}]", value, 1.0, "") for i, value in enumerate(message.effort)]
+        full = drive.full_speed
+        kept = (max(-1.0, min(1.0, side)) * full for side in (left, right))
+        return SideSpeeds(*kept), _reduced(efforts)
+    elif message.velocity:
+        left, right = _by_side("velocity", message.velocity, message.name, model)
+        speeds = (left * drive.wheel_radius, right * drive.wheel_radius)
+        forward, turn_rate = body_velocity(*speeds, drive.track)
+        names = "the speed of the wheels", "the turn rate of the wheels"
+    else:
+        raise ValueMismatch("neither effort nor velocity is given", "for example effort: [1, 1]")
+    limits = (forward, drive.max_speed, " m/s"), (turn_rate, drive.max_turn_rate, " rad/s")
+    values = [(name, *about) for name, about in zip(names, limits, strict=True)]
+    return side_speeds(forward, turn_rate, drive), _reduced(values)
+
+
+def _reduced(values: Iterable[tuple[str, float, float, str]]) -> str:
+    """Return the first of some values, with its limit and unit, that is beyond the limit."""
+    for name, value, limit, unit in values:
+        if abs(value) > limit * _ROUNDING:
+            return f"{name} is {value:.4g}{unit}, the limit {limit:g}{unit}"
+    return ""
+
+
+def _by_side(
+    field: str, values: Sequence[float], names: Sequence[str], model: RobotModel
+) -> tuple[float, float]:
+    """Return the values of the left and right side, averaged over the wheels of each side."""
+    names = names or (model.left_wheels[0], model.right_wheels[0])
+    if len(values) != len(names):
+        wanted = f"{len(names)} ({', '.join(names)})"
+        raise ValueMismatch(f"{field} has the wrong length: {len(values)} instead of {wanted}")
+    if len(set(names)) != len(names):
+        raise ValueMismatch(f"a name is given twice in {list(names)}")
+    known = (*model.left_wheels, *model.right_wheels)
+    for name in names:
+        if name not in known:
+            raise ValueMismatch(f"unknown wheel '{name}'", f"known names: {', '.join(known)}")
+    by_name = {n: _finite(f"{field}[{i}]", values[i]) for i, n in enumerate(names)}
+    return _mean(by_name, model.left_wheels), _mean(by_name, model.right_wheels)
+
+
+def _mean(by_name: dict[str, float], wheels: Sequence[str]) -> float:
+    values = [by_name[wheel] for wheel in wheels if wheel in by_name]
+    if not values:
+        raise ValueMismatch(f"no value for the side of '{wheels[0]}'", "give both sides")
+    return sum(values) / len(values)
+
+
+def _finite(field: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueMismatch(f"{field} is {value}, which is not a finite number")
+    return value
+
+
+Robots = Vehicles | RobotsInEngine  # several robots, whose states are arrays
 Owner = Robots | World  # of a body
 _LEVEL = 1e-3  # [rad, m, m/s, rad/s] largest deviation that counts as standing on level ground
 
@@ -124,14 +206,14 @@ class Robot:
         """Return its body's motion, and that of one step ago."""
         if self.is_free:
             return planar_motions(*self.vehicles.row(self.index))
-        return (
-            self._owner.row(self._number) if isinstance(self._owner, HeldRobots) else self._motions
-        )
+        if isinstance(self._owner, RobotsInEngine):
+            return self._owner.row(self._number)
+        return self._motions
 
     @property
     def batch(self) -> tuple[Robots, int] | None:
         """Return the robots whose state arrays include this robot's, and its index there."""
-        if isinstance(self._owner, HeldRobots):
+        if isinstance(self._owner, RobotsInEngine):
             return self._owner, self._number
         is_one = not self.is_free or self.vehicles.is_single
         return None if is_one else (self.vehicles, self.index)

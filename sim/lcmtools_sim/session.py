@@ -17,13 +17,12 @@ from lcmtools_sim.bridge import Bridge
 from lcmtools_sim.control import Control
 from lcmtools_sim.engines import chosen_engine, engine_version
 from lcmtools_sim.follow import Followers, LeaderClock
-from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.loop import Loop
 from lcmtools_sim.options import Options
 from lcmtools_sim.scene import MarkedPath, Scene, contents
 from lcmtools_sim.schedule import Pacer
 from lcmtools_sim.simulation import Simulation
-from lcmtools_sim.view import View
+from lcmtools_sim.view import LatchedPublisher, View
 
 _TIMEOUTS = StopTimeouts(interrupt=2.0, terminate=1.0)  # of the window
 

@@ -150,7 +150,7 @@ class Vehicles:
             return skidding(constants.mass, constants.inertia, drive.wheels, ops)
         return gripping(constants.mass, constants.inertia, constants.track, ops)
 
-    def rows(self, indices: npt.NDArray[np.intp]) -> tuple[Constants, Variables]:
+    def take(self, indices: npt.NDArray[np.intp]) -> tuple[Constants, Variables]:
         """Return some robots' values as arrays."""
         return _rows(self.constants, indices), _rows(self.now, indices)
 

@@ -18,57 +18,6 @@ from lcmtools.ros_words.commands import COMMANDS, OPTIONS
 
 
 @pytest.mark.parametrize(
-    ("typed", "meant"),
-    [
-        ("rostopic echo -n 1 /scan", "topic echo -n 1 /scan"),
-        ("rosnode info talker", "node info talker"),
-        ("rosmsg show Twist", "msg show Twist"),
-        ("rossrv list", "srv list"),
-        ("rosparam get /driver/gain", "param get /driver/gain"),
-        ("rosservice call /reset", "service call /reset"),
-        ("roslaunch air_lab0 husky.launch", "launch air_lab0 husky.launch"),
-        ("roswtf", "wtf"),
-        ("rospack find air_lab0", "pkg find air_lab0"),
-        ("rosrun image_view image_view image:=/camera", "run image_view image:=/camera"),
-        ("rosrun roscpp_tutorials talker __ns:=/a", "run talker __ns:=/a"),
-        ("rosrun talker", "run talker"),
-        ("rosrun my_package my_node", "run my_package my_node"),
-        ("rosrun no_such_package talker", "run no_such_package talker"),
-        ("rosrun no_such_package rqt_graph", "run no_such_package rqt_graph"),
-        ("ros2 run no_such_package image_view", "run no_such_package image_view"),
-        ("rqt_image_view /camera", "run image_view image:=/camera"),
-        ("image_view image:=/camera", "run image_view image:=/camera"),
-        ("image_view image:=/camera --timeout 3", "run image_view image:=/camera --timeout 3"),
-        ("rqt_image_view /camera --json", "run image_view image:=/camera --json"),
-        ("rqt_image_view --json", "run image_view --json"),
-        ("rosbag record -a", "bag record -a"),
-        ("ros2 bag info ride.lcmlog", "bag info ride.lcmlog"),
-        ("rqt_graph", "graph"),
-        ("rqt_console", "echo /rosout"),
-        ("catkin build", "pkg build"),
-        ("catkin build --this -j4 air_lab0", "pkg build air_lab0"),
-        ("catkin_make -DCMAKE_BUILD_TYPE=Release", "pkg build"),
-        ("colcon build", "pkg build"),
-        ("catkin_create_pkg air_lab0 roscpp rospy nav_msgs std_msgs message_generation",
-         "pkg create air_lab0 --deps nav_msgs std_msgs"),
-        ("catkin create pkg air_lab0", "pkg create air_lab0"),
-        ("ros2 topic list -t", "topic list -t"),
-        ("ros2 run image_view image_view", "run image_view"),
-        ("ros2 run demo_nodes_cpp talker --ros-args -r chatter:=a",
-         "run talker -r chatter:=a"),
-        ("rosrun teleop_twist_keyboard teleop_twist_keyboard.py cmd_vel:=/a",
-         "run teleop cmd_vel:=/a"),
-        ("ros2 run teleop_twist_keyboard teleop_twist_keyboard", "run teleop"),
-        ("rosrun rqt_graph rqt_graph", "graph"),
-        ("rosrun rqt_image_view rqt_image_view /camera", "run image_view image:=/camera"),
-    ],
-)  # fmt: skip
-def test_a_command_of_ros_becomes_the_one_that_is_meant(typed, meant, capsys):
-    assert " ".join(instead("", typed.split())) == meant
-    assert capsys.readouterr().err == f"{typed.split(maxsplit=1)[0]} is here: lcmtools {meant}\n"
-
-
-@pytest.mark.parametrize(
     "value", ["data: 'a\nb'", "a\tb\\n", "it's \x1b[2J\u0085 ü 你\n", "plain", "two words"]
 )
 def test_the_translated_command_can_be_pasted_into_a_shell(value, capsys):

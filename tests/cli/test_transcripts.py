@@ -35,7 +35,7 @@ def say(cli, tmp_path, monkeypatch):
             out, errors = result.out, errors + result.err
         said = out + "".join(f"2> {line}\n" for line in errors.splitlines())
         said += f"[{result.code}]\n" if result.code else ""
-        return re.sub(r"/\S+/(\w+/\w+\.lcm)", r"TYPES/\1", said)
+        return re.sub(r"(?<= )[~/].*/(\w+/\w+\.lcm)", r"TYPES/\1", said)
 
     return run
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lcmtools.packages.cpp import compiler_flags, cpp_folder
+from lcmtools.packages.cmake import compiler_flags, cpp_folder
 
 PROGRAMS = Path(__file__).parent / "programs"
 

@@ -13,7 +13,7 @@ from lcmtools import __version__
 from lcmtools.graph import protocol
 from lcmtools.graph.model import Endpoint, Role
 from lcmtools.messages.codec import encode
-from lcmtools.packages.cpp import compiler_flags, cpp_folder
+from lcmtools.packages.cmake import compiler_flags, cpp_folder
 from lcmtools.types import lcmtools_msgs as msgs
 
 _STRICT = ("-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsanitize=address,undefined")
@@ -110,7 +110,7 @@ def test_a_killed_one_is_noticed(announce, cli):
     assert_says(cli("wtf").out, "/driver", str(running.pid))
 
 
-@pytest.mark.parametrize("name", ["", "/", "a b", "1a", "a//b", "a/", "x" * 63])
+@pytest.mark.parametrize("name", ["", "a b", "a//b", "x" * 63])
 def test_an_illegal_name_is_said_in_one_line_and_the_program_goes_on(name, announce, cli):
     running = announce(name, "listen")
     (line,) = (one for one in running.lines if one != "ready")

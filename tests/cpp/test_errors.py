@@ -6,7 +6,7 @@ import signal
 import pytest
 from fixtures.says import assert_says
 
-from lcmtools.packages.cpp import cpp_folder
+from lcmtools.packages.cmake import cpp_folder
 
 CASES = {
     "unknown": "/faulty has no parameter 'gian'; it has gain, use_sim_time",

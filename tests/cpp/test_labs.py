@@ -12,9 +12,8 @@ from fixtures.says import assert_says
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import LcmtoolsError
 from lcmtools.labs import skeletons
-from lcmtools.packages import cpp
-from lcmtools.packages.cmake import built_source
-from lcmtools.packages.cpp import compiler_flags
+from lcmtools.packages import cmake as cpp
+from lcmtools.packages.cmake import built_source, compiler_flags
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.wire.packet import Packet
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from fixtures.says import assert_line, assert_says
 
-from lcmtools.packages import cpp
+from lcmtools.packages import cmake as cpp
 
 RELAY = """\
 #include <lcmtools/node.hpp>
@@ -150,7 +150,10 @@ def test_types_of_a_folder_are_generated_and_follow_their_files(space, compiler,
     pose.rename(types.parent / "acme" / "Pose.msg")
     (project / "CMakeLists.txt").write_text(PROJECT.replace(" acme ", " acme acme.sense "))
     (project / "own.cpp").write_text(OWN % "old")
-    options = [f"-DCMAKE_PREFIX_PATH={cpp.cpp_folder()}", f"-DLCMTOOLS_PROGRAM={lcmtools_path}"]
+    options = [
+        f"-DCMAKE_PREFIX_PATH={cpp.cpp_folder()}",
+        f"-DLCMTOOLS_PROGRAM={lcmtools_path}",
+    ]
     assert build("-S", "project", "-B", "build", *options) == ""
     assert build("--build", "build") == ""
     scan.write_text("package acme.sense;\nstruct Scan { int32_t newer; acme.Pose at; }\n")

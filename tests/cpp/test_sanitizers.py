@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lcmtools import Node
-from lcmtools.packages.cpp import compiler_flags
+from lcmtools.packages.cmake import compiler_flags
 from lcmtools.types.std_msgs import String
 from lcmtools.types.std_srvs import SetBool
 

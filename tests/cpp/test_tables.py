@@ -14,7 +14,7 @@ from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
 from lcmtools.messages.codec import encode
 from lcmtools.messages.setting import read_setting
 from lcmtools.names import Resolver
-from lcmtools.packages.cpp import cpp_folder
+from lcmtools.packages.cmake import cpp_folder
 from lcmtools.types import lcmtools_msgs as msgs
 from lcmtools.types.rosgraph_msgs import Clock, Log
 

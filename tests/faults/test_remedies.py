@@ -64,6 +64,7 @@ class Edit:
     is_node: bool = False  # else a plain LCM program
     period: float = 0.02  # [s]
     wait: str = "1s"
+    names: str = ""  # in the finding, if not the program
 
     def start(self, world, line):
         """Start the program with this line in it."""
@@ -106,6 +107,9 @@ EDITED = (
          (_sends(_STRINGS),), is_node=True, wait="1.5s"),
     Edit("depth", "queue-drops", _ear("None", 3), _ear("None", 1000), (_sends(_BURSTS, 1.0),),
          is_node=True, wait="2.2s"),
+    Edit("loop-waits", "queue-drops", f"for _ in range(1000): {_STRINGS}", _STRINGS,
+         (lambda world: Edit("", "", "", "", is_node=True).start(world, _ear("None")),),
+         names="/it"),
     Edit("spin", "queue-drops", _SPINS % 1000, _SPINS % 0, (_sends(_STRINGS),), is_node=True),
     Edit("busiest-less", "slow-callbacks",
          f"{_ear('None', 1)}\nnode.create_timer(0.02, lambda: time.sleep(0.1))",
@@ -182,7 +186,8 @@ def test_a_remedy_is_written_into_the_program(world, edit):
     for start in edit.beside:
         start(world)
     program = edit.start(world, edit.wrong)
-    found = world.finds(edit.rule, program.pid if not edit.is_node else "/it", wait=edit.wait)
+    name = edit.names or ("/it" if edit.is_node else program.pid)
+    found = world.finds(edit.rule, name, wait=edit.wait)
     assert edit.kind in found.kinds
     world.end(program)
     edit.start(world, edit.right)

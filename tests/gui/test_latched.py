@@ -12,7 +12,7 @@ from lcmtools.types.nav_msgs import OccupancyGrid
 from lcmtools.types.sensor_msgs import Image
 from lcmtools.types.std_msgs import Float64, String
 from lcmtools.types.tf2_msgs import TFMessage
-from lcmtools_sim.latched import LatchedPublisher
+from lcmtools_sim.view import LatchedPublisher
 
 TEXT = "Grüße, 日本語 🤖 שלום"
 CELLS = {"width": 400, "height": 400, "resolution": 0.05}

@@ -66,12 +66,6 @@ def test_keys_step_and_seek(log):
     assert log.input_value(".timeline select") == "2"
 
 
-def test_nothing_can_be_published(log):
-    assert log.locator(".link").inner_text() == "log"
-    log.click("text=Publish …")
-    log.wait_for_selector("button:has-text('Publish'):disabled")
-
-
 def test_a_plot_has_the_whole_log_and_the_value_where_it_is_played(log):
     address = log.url.partition("#")[0]
     log.goto("about:blank")

@@ -40,8 +40,9 @@ def test_standing_and_driving_on_the_ground_touch_nothing(place, twist, model):
     assert [len(message.states) for message in still + touches(simulation, 1.0)] == [0] * 480
 
 
-@pytest.mark.parametrize("model", ["husky", "pioneer", "dolly"])
-@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize(
+    ("model", "backwards"), [("husky", True), ("pioneer", False), ("dolly", True)]
+)
 def test_a_wall_is_named_and_its_normal_points_to_the_robot(place, twist, model, *, backwards):
     simulation = place(WALL, model=model, poses=(Pose(yaw=math.pi if backwards else 0),))
     simulation.robots[0].command(twist(-0.5 if backwards else 0.5, 0.0))

@@ -34,14 +34,14 @@ def test_full_effort_reaches_one_metre_a_second_within_two_seconds_straight(unme
     assert abs(yaw_of(state.rotation)) < 1e-4
 
 
-@pytest.mark.parametrize("share", [0.1, 0.35, -0.5, -1.0])
+@pytest.mark.parametrize("share", [0.1, -1.0])
 def test_the_speed_is_proportional_to_the_effort(unmeasured, effort, share):
     simulation = unmeasured()
     simulation.robots[0].command(effort(share, share))
     assert run(simulation, 3.0).velocity[0] == pytest.approx(share, rel=0.02)
 
 
-@pytest.mark.parametrize("share", [0.05, 0.2, 0.5, 1.0, -0.5])
+@pytest.mark.parametrize("share", [0.05, 1.0, -0.5])
 def test_opposite_efforts_turn_it_on_the_spot(unmeasured, effort, share):
     simulation = unmeasured()
     simulation.robots[0].command(effort(-share, share))
@@ -58,9 +58,7 @@ def test_unequal_efforts_drive_a_curve(unmeasured, effort):
     assert state.angular_velocity[2] == pytest.approx(0.8 / 1.07025, rel=0.02)
 
 
-@pytest.mark.parametrize(
-    ("forward", "turn_rate"), [(0.5, 0.3), (0.5, -0.3), (0.2, 1.0), (-0.5, 0.3), (1.0, 2.0)]
-)
+@pytest.mark.parametrize(("forward", "turn_rate"), [(0.5, -0.3), (0.2, 1.0), (-0.5, 0.3)])
 def test_a_twist_describes_a_circle_of_its_radius(unmeasured, twist, forward, turn_rate):
     radius = forward / turn_rate
     simulation = unmeasured()

@@ -38,8 +38,9 @@ def run(given, command, seconds):
         return [robot.state(simulation.time) for robot in simulation.robots]
 
 
-@pytest.mark.parametrize("command", [(1.0, 0.0), (0.5, 0.3), (0.0, 2.0), (-0.7, 1.0)])
-@pytest.mark.parametrize("count", [1, 15])
+@pytest.mark.parametrize(
+    ("count", "command"), [(1, (1.0, 0.0)), (1, (0.0, 2.0)), (15, (0.5, 0.3)), (15, (-0.7, 1.0))]
+)
 def test_it_moves_as_the_engine_would_move_it(count, command, twist, monkeypatch):
     given = scene(*(Pose(0, 20 * i, yaw=0.1 * i) for i in range(count)))
     free = run(given, twist(*command), 5.0)

@@ -119,34 +119,6 @@ def test_it_obeys_commands_warns_of_bad_ones_and_goes_on(start, node):
     assert "/husky0/wheel_velocity_cmd: message ignored: expected" in second
 
 
-def test_what_it_warns_of_is_on_rosout_too_with_the_sender_as_long_as_it_lasts(start, node):
-    process = start("--rate", "4")
-    wait_for_start(process)
-    logs = []
-    node.create_subscription(
-        Log, "/rosout", lambda log: log.level == Log.WARN and logs.append(log.msg)
-    )
-    publisher = node.create_publisher(JointState, "/husky0/wheel_cmd")
-    command = JointState()
-    command.name, command.effort = ["l", "r"], [1, 1]
-
-    def publish_until_heard(count):
-        publisher.publish(command)
-        return len(logs) >= count
-
-    spin_until(node, lambda: publish_until_heard(3))
-    command.name, command.effort = ["left", "right"], [5, 1]
-    spin_until(node, lambda: publish_until_heard(6))
-    process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=40)
-    ignored = [log for log in logs if "command ignored: unknown wheel 'l'; known names:" in log]
-    reduced = [log for log in logs if "command reduced: effort[0] is 5, the limit 1" in log]
-    for lines in (ignored, reduced):
-        assert lines[-1].startswith("/husky0/wheel_cmd: ")
-        assert lines[-1].endswith(" (from /test)")
-    assert (error.count("command ignored"), error.count("command reduced")) == (1, 1)
-
-
 def test_after_requested_steps_the_clock_shows_the_time_that_is_answered(start, node):
     wait_for_start(start("--paused"))
     times = []
@@ -173,19 +145,6 @@ def test_a_bad_world_and_a_bad_option_are_one_line_and_exit_code_2(start, tmp_pa
         out, error = process.communicate(timeout=40)
         assert (process.returncode, out, error.count("\n")) == (2, "", 1)
         assert error.startswith(f"lcmtools run sim: {reason}")
-
-
-def test_where_the_engine_cannot_be_imported_it_says_what_to_type_and_ends_with_3(start, tmp_path):
-    # A module that cannot be imported, before the real one on the path.
-    (tmp_path / "pybullet.py").write_text("raise ImportError('not here')")
-    path = os.pathsep.join([str(tmp_path), *filter(None, sys.path)])
-    environment = {"PYTHONPATH": path, "LCMTOOLS_ENGINE": "bullet"}
-    process = start(environment=environment)
-    out, error = process.communicate(timeout=40)
-    assert (process.returncode, out, error.count("\n")) == (3, "", 1)
-    assert error.startswith(
-        "lcmtools run sim: the engine bullet cannot be imported: not here; type: pip install"
-    )
 
 
 class Fleet:

@@ -8,11 +8,10 @@ import pytest
 from lcmtools.messages.codec import encode
 from lcmtools.types.visualization_msgs import Marker
 from lcmtools_sim.geometry import Frame, Pose, rotate, yaw_of
-from lcmtools_sim.markers import world_markers
 from lcmtools_sim.robots import DOLLY, HUSKY, MODELS, PIONEER
 from lcmtools_sim.scene import MarkedPath, RobotPlacement, Scene, SceneObject, box
 from lcmtools_sim.shapes import Cylinder, Line, Part, Sphere
-from lcmtools_sim.view import Poses
+from lcmtools_sim.view import Poses, world_markers
 
 BALL = SceneObject("ball", (Part(Sphere(0.2), color=(1, 0, 0)),), Pose(3, 1, 0.2), mass=1)
 POST = SceneObject("post", (Part(Cylinder(0.1, 1.5), (0, 0, 0.1)),), Pose(-3, 1, 0.65, yaw=1))

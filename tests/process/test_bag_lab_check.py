@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fixtures.drives import STEPS, Drive, dolly, husky
+from fixtures.drives import REST, STEPS, Drive, dolly, husky
 from fixtures.says import assert_says
 
 from lcmtools.bag.writer import LogWriter
@@ -40,6 +40,10 @@ def _husky(log):
     husky(log, 1.0, STEPS)
 
 
+def _short(log):
+    husky(log, 1.0, [(0.5, 0, 1), REST, (0, 0.3, 1)])
+
+
 @pytest.mark.parametrize(
     ("fault", "failed", "says"),
     [
@@ -54,7 +58,7 @@ def _husky(log):
 )
 def test_a_controller_is_judged_by_its_answers_to_a_drive(fault, failed, says, check):
     command = f"{sys.executable} {_CONTROLLER} {fault}"
-    code, found, record = check("husky", _husky, "--controller", command)
+    code, found, record = check("husky", _short, "--controller", command)
     assert (code, list(found)) == (bool(failed), failed), record
     assert_says(next(iter(found.values()), ""), says)
 
@@ -104,7 +108,7 @@ def test_a_class_is_judged_by_one_drive(check, tmp_path):
         fault = "none" if name == "anna" else "backward"
         text = _CONTROLLER.read_text().replace("sys.argv[1]", repr(fault))
         (folder / name / "simple_controller.py").write_text(text)
-    code, _, record = check("husky", _husky, "--programs", str(folder))
+    code, _, record = check("husky", _short, "--programs", str(folder))
     assert code == 1
     assert {one["submission"]: one["ok"] for one in record} == {"anna": True, "bert": False}
 

@@ -211,7 +211,7 @@ def record(path):
         with BagRecorder(monitor, RecordedTopics((), GLOBAL), LogSeries(path), limits) as recorder:
             recorder.wait(1000.0)
 
-for turn in range(5):
+for turn in range(2):
     children = {}
     for number in range(20):
         path = f"{turn}-{number}.lcmlog"
@@ -234,12 +234,10 @@ print("all are dead", flush=True)
 """
 
 
-def test_a_hundred_recorders_killed_at_any_instant_leave_readable_logs(
-    bus_url, tmp_path, start_python
-):
+def test_recorders_killed_at_any_instant_leave_readable_logs(bus_url, tmp_path, start_python):
     start_python(_KILLED, LCM_DEFAULT_URL=bus_url).wait_for("all are dead", timeout=100.0)
     logs = sorted(tmp_path.glob("*.lcmlog"))
-    assert len(logs) == 100
+    assert len(logs) == 40
     seen = 0
     for log in logs:
         with LogFile(log) as file:
@@ -249,7 +247,7 @@ def test_a_hundred_recorders_killed_at_any_instant_leave_readable_logs(
         assert all(payload == payload[:8] * (len(payload) // 8) for payload in counts)
         assert len({payload[:8] for payload in counts}) == len(counts)
         seen += len(counts)
-    assert seen > 100
+    assert seen > 40
 
 
 def test_a_full_disk_ends_it_with_one_line_and_a_readable_log(bus_url, path, start, lcmtools_path):

@@ -17,7 +17,7 @@ from lcmtools import Node
 from lcmtools.bag.rerunning.private_bus import PrivateBus
 from lcmtools.bag.writer import LogWriter
 from lcmtools.errors import UsageError
-from lcmtools.packages.cpp import compiler_flags
+from lcmtools.packages.cmake import compiler_flags
 from lcmtools.packages.lcm_gen import find_lcm_gen
 from lcmtools.processes.reaper import is_gone
 from lcmtools.types.geometry_msgs import Twist
@@ -124,6 +124,7 @@ def test_a_wrong_message_is_named(rerun, words, key, expected):
         ("never", ("--timeout", "1s"), "did not connect to the bus within 1 s"),
         ("__ns:=/other", (), "subscribes to /other/in; did you mean /in?"),
         ("out:=elsewhere", (), "it published /elsewhere, which the log does not have"),
+        ("", ("--output", "/oot"), "/oot is neither in the log nor published; did you mean /out?"),
     ],
 )
 def test_a_program_that_fails_is_named_with_its_last_lines(rerun, words, options, says):
@@ -185,6 +186,7 @@ def test_others_messages_on_a_topic_of_the_program_are_inputs(rerun, tmp_path):
     ("word", "code", "reason"),
     [
         ("thread", 0, "it published /chatter without a message or a timer"),
+        ("_thread_at:=20", 0, "it published /chatter without a message or a timer"),
         ("loop", 1, "it publishes without waiting for messages (lcmtools.spin)"),
     ],
 )
@@ -192,7 +194,7 @@ def test_a_program_that_publishes_by_itself_is_played_to_in_real_time(rerun, wor
     found, report = rerun(word)
     assert (found, report["real_time"]) == (code, reason)
     assert report["lateness"] >= 0
-    assert topic(report)["matched"] == (_COUNT if word == "thread" else 0)
+    assert topic(report)["matched"] == (0 if word == "loop" else _COUNT)
 
 
 def test_a_plain_c_program_is_played_to_in_real_time(tmp_path, cli):

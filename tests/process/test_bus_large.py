@@ -162,15 +162,6 @@ def test_messages_of_mixed_sizes_all_leave_in_their_order(bus_url):
         assert next_messages(len(sent)) == sent  # a small one overtakes no large one before it
 
 
-def test_large_messages_keep_their_order(bus_url):
-    sent = [bytes([number]) * 200_000 for number in range(20)]
-    url = parse_url(bus_url)
-    with _everything_heard(url) as next_messages, closing(UdpBus(url)) as bus:
-        for payload in sent:
-            bus.publish("BIG", payload)
-        assert next_messages(len(sent)) == sent
-
-
 def test_closing_sends_what_is_queued(bus_url):
     sent = [bytes(300_000)] * 10
     url = parse_url(bus_url)

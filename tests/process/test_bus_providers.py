@@ -114,7 +114,7 @@ def test_an_unknown_tcpq_host_is_one_line():
         LcmBus(parse_url("tcpq://no-such-host.invalid"))
 
 
-@pytest.mark.parametrize("_turn", range(8))  # which thread notices first is a matter of luck
+@pytest.mark.parametrize("_turn", range(3))  # which thread notices first is a matter of luck
 def test_a_tcpq_server_that_dies_hangs_nobody(tcpq_server, wait_until, stopwatch, _turn):
     bus = LcmBus(parse_url(tcpq_server.url))
     handler = lambda _payload, _time: None  # noqa: E731
@@ -176,22 +176,6 @@ def test_a_bus_whose_server_is_gone_closes_at_once(tcpq_server, wait_until):
     assert not bus._thread.is_alive()
 
 
-def test_nodes_hear_again_and_say_once_what_happened(tcpq_server, start, lcmtools_path):
-    bus = {"LCM_DEFAULT_URL": tcpq_server.url}
-    listener = start(lcmtools_path, "run", "listener", **bus)
-    talker = start(lcmtools_path, "run", "talker", **bus)
-    listener.wait_for("heard")
-    tcpq_server.close()
-    for node in (listener, talker):
-        node.wait_for("is lost; it is tried again until it is back")
-    tcpq_server.reopen()
-    for node in (listener, talker):
-        node.wait_for("is back")
-    listener.wait_for("heard")
-    listener.wait_for("heard")
-    assert sum("is lost; it is tried" in line for line in listener.lines) == 1
-
-
 def test_a_listener_on_tcpq_hears_everything(tcpq_server, wait_until):
     url = parse_url(tcpq_server.url)
     bus = LcmBus(url)
@@ -238,21 +222,18 @@ def test_a_listener_hears_again_when_its_server_is_back(tcpq_server, wait_until)
         listener.receive(0.01)
 
 
-@pytest.mark.parametrize("command", [("echo", "/chatter"), ("hz", "/chatter")])
-def test_commands_that_look_go_on_when_the_server_is_back(
-    tcpq_server, start, lcmtools_path, command
-):
+def test_commands_that_look_go_on_when_the_server_is_back(tcpq_server, start, lcmtools_path):
     bus = {"LCM_DEFAULT_URL": tcpq_server.url}
     talker = start(lcmtools_path, "run", "talker", **bus)
-    looking = start(lcmtools_path, *command, **bus)
-    shown = "data:" if command[0] == "echo" else "average rate"
-    looking.wait_for(shown)
+    looking = start(lcmtools_path, "echo", "/chatter", **bus)
+    looking.wait_for("data:")
     tcpq_server.close()
-    looking.wait_for(f"lcmtools {command[0]}: the connection to {tcpq_server.url} is lost")
+    for one, name in ((looking, "lcmtools echo: "), (talker, "")):
+        one.wait_for(f"{name}the connection to {tcpq_server.url} is lost")
     tcpq_server.reopen()
-    looking.wait_for(f"lcmtools {command[0]}: the connection to {tcpq_server.url} is back")
-    talker.wait_for("is back")
-    looking.wait_for(shown)
+    for one, name in ((looking, "lcmtools echo: "), (talker, "")):
+        one.wait_for(f"{name}the connection to {tcpq_server.url} is back")
+    looking.wait_for("data:")
 
 
 @pytest.fixture

@@ -58,9 +58,16 @@ def send():
         yield lambda datagram: sender.sendto(datagram, _GROUP)
 
 
-@pytest.mark.parametrize("memory", [64, 512, 4_096, 20_480, 131_072])
-@pytest.mark.parametrize("names", _NAMES)
-@pytest.mark.parametrize("count", [8, 10, 45, 120, 1000])
+@pytest.mark.parametrize(
+    ("count", "names", "memory"),
+    [
+        *((8, "short", 64), (10, "long", 64), (120, "long", 64)),
+        *((10, "short", 512), (45, "long", 512), (1000, "short", 512)),
+        *((45, "short", 4_096), (120, "long", 4_096)),
+        *((8, "long", 20_480), (120, "short", 20_480), (1000, "long", 20_480)),
+        *((45, "long", 131_072), (1000, "short", 131_072)),
+    ],
+)
 def test_every_subscription_is_heard_whatever_filters_the_kernel_has_memory_for(
     filter_memory, send, wait_until, count, names, memory
 ):

@@ -101,7 +101,7 @@ def test_a_flood_does_not_keep_anybody_from_subscribing(wait_until):
         sender.close()
 
 
-@pytest.mark.parametrize("turn", range(15))
+@pytest.mark.parametrize("turn", range(0, 15, 3))
 def test_a_bus_closes_while_others_use_it(bus_url, turn):
     """A caller that comes too late gets a BusError, at once, and nothing else happens."""
     bus = UdpBus(parse_url(bus_url))

@@ -1,21 +1,18 @@
 """A watch: what the commands that look at a bus learn from it, and how soon."""
 
 import os
-import socket
 import time
 from contextlib import ExitStack
 
 import lcm
 import pytest
-from fixtures.says import assert_says
 
 from lcmtools import Node
 from lcmtools.arguments import split_arguments
 from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.model import Role
-from lcmtools.graph.protocol import NODE_CHANNEL, decode_announcement
-from lcmtools.messages.codec import encode
+from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.node.context import Context
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.types.std_msgs import String
@@ -164,49 +161,6 @@ def test_packets_come_as_they_are_pulled_until_the_time_is_over(open_monitor, bu
     assert time_taken.seconds() < 1.0
     plain.publish("N", b"6")
     assert next(p for p in watch.packets() if p.channel == "N").payload == b"6"
-
-
-def test_a_node_answers_a_targeted_probe_with_its_nonce(context, open_monitor, wait_until):
-    Node("a", context=context)
-    Node("b", context=context)
-    watch = open_monitor("ping")
-    answers = []
-
-    def answered():
-        for packet in watch.receive(0.05):
-            if packet.channel == NODE_CHANNEL:
-                announcement = decode_announcement(packet.payload)
-                if announcement and announcement.answers:
-                    answers.append((announcement.node.name, announcement.answers))
-        return bool(answers)
-
-    watch.probe("/b", 77)
-    wait_until(answered)
-    assert answers == [("/b", 77)]
-
-
-@pytest.mark.usefixtures("private_network")
-def test_malformed_datagrams_are_told_of(wait_until):
-    url = parse_url("udpm://239.255.76.67:7667?ttl=0")
-    with (
-        BusMonitor(url, "wtf", os.environ) as watch,
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plain,
-    ):
-        plain.sendto(b"nonsense", (url.host, url.port))
-        wait_until(lambda: watch.receive(0.02) or (watch.tap and watch.tap.malformed))
-        assert watch.tap is not None
-        (reason,) = watch.tap.malformed.values()
-        assert_says(reason, "b'nons'", "not", "LC02 or LC03")
-
-
-def test_a_nodes_counters_are_announced(context, open_monitor):
-    node = Node("a", context=context)
-    publisher = node.create_publisher(String, "chatter")
-    for _ in range(3):
-        publisher.publish(String())
-    graph = open_monitor("info").settle(foreign=False)
-    ((_, endpoint),) = graph.topic("/chatter").publishers
-    assert (endpoint.messages, endpoint.bytes) == (3, 3 * len(encode(String())))
 
 
 @pytest.mark.usefixtures("private_network")

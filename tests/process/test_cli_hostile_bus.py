@@ -136,7 +136,9 @@ def running(start, lcmtools_path):
 
 
 def test_nodes_and_commands_live_through_all_of_it(running, attack, cli):
-    for seed in range(8):
+    # liblcm reads the channel of the message that was in the same buffer before
+    attack(d for c in CHANNELS for _ in range(50) for d in (short(c, b""), b"LC02\xe5\0\0\0"))
+    for seed in range(3):
         attack(hostile(seed))
 
     number = int(running["talker"].lines[-1].rpartition(" ")[2]) + 3
@@ -153,15 +155,6 @@ def test_nodes_and_commands_live_through_all_of_it(running, attack, cli):
         running[name].send_signal(signal.SIGINT)
         assert running[name].wait() == 130
     assert not any("Traceback" in program.output for program in running.values())
-
-
-def test_short_datagram_after_a_message_ends_no_node(running, attack):
-    """For liblcm reads the channel of the message that was in the same buffer before."""
-    attack(d for c in CHANNELS for _ in range(50) for d in (short(c, b""), b"LC02\xe5\0\0\0"))
-    running["talker"].wait_for("hello world")
-    for name in ("talker", "listener", "controller"):
-        running[name].send_signal(signal.SIGINT)
-        assert running[name].wait() == 0
 
 
 def test_wrong_types_and_truncated_payloads_are_warnings_of_the_node(
@@ -204,19 +197,18 @@ def test_wtf_names_the_sender_of_malformed_datagrams(start_python, start, cli, l
     assert_says(item, ": short message", "channel name", "63 bytes")
 
 
-@pytest.mark.parametrize(
-    "command", ["list", "list --json", "node list", "wtf --wait 0.3", "echo -1 /a"]
-)
-def test_commands_look_at_a_hostile_bus(command, cli, start, lcmtools_path):
+def test_commands_look_at_a_hostile_bus(cli, start, lcmtools_path):
     start(lcmtools_path, "pub", "-r", "50", "/a", "std_msgs/String", "x").wait_for("no node")
     flood = start(sys.executable, __file__, PYTHONPATH=str(Path(__file__).parents[1]))
     flood.wait_for("round 1")
-    result = cli(*command.split())
-    assert result.code in ((0, 1, 2) if "wtf" in command else (0,))
-    assert "Traceback" not in result.err
-    assert "fault of lcmtools" not in result.err
-    shown = result.out.replace("\n", "").replace("\t", "")
-    assert shown.isprintable() or "\\ud" in ascii(shown)  # no escape sequence reaches the terminal
+    for command in ("list", "list --json", "node list", "wtf --wait 0.3", "echo -1 /a"):
+        result = cli(*command.split())
+        assert result.code in ((0, 1, 2) if "wtf" in command else (0,))
+        assert "Traceback" not in result.err
+        assert "fault of lcmtools" not in result.err
+        shown = result.out.replace("\n", "").replace("\t", "")
+        # no escape sequence reaches the terminal
+        assert shown.isprintable() or "\\ud" in ascii(shown), command
 
 
 def _flood():

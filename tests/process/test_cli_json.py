@@ -10,6 +10,7 @@ import os
 import shlex
 import signal
 import sys
+from pathlib import Path
 
 import pytest
 from fixtures import networks
@@ -55,7 +56,7 @@ def tick():
     gauge.publish(nothing)
     frames.publish(TFMessage(transforms=[moved]))
 
-robot.create_timer(0.02, tick)
+robot.create_timer(0.05, tick)
 print("ready", flush=True)
 lcmtools.spin(robot, driver)
 """
@@ -82,7 +83,7 @@ while True:
     plain.publish("PLAIN", String().encode())
     plain.publish("ODD", b"12345678 and more")
     plain.handle_timeout(0)  # of its own messages one always waits
-    time.sleep(0.02)
+    time.sleep(0.1)
 """
 _WORLD = """\
 node: yard
@@ -97,128 +98,7 @@ nodes:
 """
 _CONTRACT = "topics:\n  /odometry: {type: nav_msgs/Odometry, min_rate: 1000}\n  /none: {}\n"
 
-LINES = [
-    "list",
-    "list --hz",
-    "info /odometry PLAIN /chatter",
-    "echo /odometry -n 2",
-    "echo /odometry /gauge -n 3",
-    "echo /gauge -n 1",
-    "echo /odometry -n 1 --raw",
-    "echo -n 2 /odometry PLAIN --raw",
-    "echo ODD -n 1",
-    "hz /odometry -n 2",
-    "hz /odometry /nothing -n 1",
-    "bw /odometry -n 2",
-    "delay --wall-time /odometry -n 2",
-    "type /odometry",
-    "type /odometry/pose/covariance",
-    "type PLAIN",
-    "find nav_msgs/Odometry",
-    "spy --once -a",
-    "tf tree --wait 1s",
-    "tf echo odom base_link -n 2",
-    "node list -a",
-    "node info robot driver",
-    "node info plain.py",
-    "node machine",
-    "node ping robot -c 2",
-    "node ping --all",
-    "node cleanup",
-    "service list -a",
-    "service info /reset",
-    "service call /reset",
-    "service type /reset",
-    "service find std_srvs/Trigger",
-    "service args /reset",
-    "param list robot",
-    "param get robot gain",
-    "param get robot named",
-    "param get robot",
-    "param get /",
-    "param describe robot",
-    "param dump robot",
-    "graph --hz",
-    "graph --nodes-only",
-    "wtf",
-    "wtf --list",
-    "wtf --explain not-finite",
-    "wtf --watch",
-    "relay --status",
-    "sim pause",
-    "sim step 2",
-    "sim resume",
-    "sim set-rate 4",
-    "sim state husky0",
-    "sim set-pose husky0 1 2",
-    "sim spawn husky /husky9 0 8",
-    "sim delete /husky9",
-    "sim reset",
-    "bag record /odometry -n 3 -o new.lcmlog",
-    "bag info ride.lcmlog broken.lcmlog",
-    "bag filter ride.lcmlog out1.lcmlog -t /odometry",
-    "bag cut ride.lcmlog out2.lcmlog -e 1s",
-    "bag merge ride.lcmlog ride.lcmlog -o out3.lcmlog",
-    "bag sort ride.lcmlog out4.lcmlog",
-    "bag rename ride.lcmlog out5.lcmlog /odometry:=/pose",
-    "bag shift ride.lcmlog out6.lcmlog --by 1s",
-    "bag downsample ride.lcmlog out7.lcmlog --every 2",
-    "bag check ride.lcmlog --against contract.yaml",
-    "bag diff ride.lcmlog other.lcmlog",
-    "bag rerun ride.lcmlog -- lcmtools run talker",
-    "bag du ride.lcmlog",
-    "bag fix broken.lcmlog out8.lcmlog",
-    "bag reindex broken.lcmlog",
-    "bag export ride.lcmlog out9.jsonl",
-    "bag export ride.lcmlog outa.mcap",
-    "bag import outa.mcap outb.lcmlog",
-    "msg list",
-    "msg show std_msgs/Header",
-    "msg show std_srvs/srv/Trigger",
-    "msg proto std_msgs/Header",
-    "msg find-field covariance",
-    "msg package std_msgs",
-    "msg packages",
-    "msg fingerprint std_msgs/String",
-    "msg build air",
-    "msg build bad",
-    "msg generate --lang python generated std_msgs/String",
-    "srv list",
-    "srv show std_srvs/Trigger",
-    "gui all --port 0 --no-open",
-    "gui steer /cmd --port 0 --no-open",
-    "gui plot /gauge/data --port 0 --no-open",
-    "gui image /camera --port 0 --no-open",
-    "gui graph --port 0 --no-open",
-    "gui world --port 0 --no-open",
-    "gui topics --port 0 --no-open",
-    "gui log --port 0 --no-open",
-    "gui services --port 0 --no-open",
-    "gui parameters --port 0 --no-open",
-    "gui record --port 0 --no-open",
-    "foxglove --port 0",
-    "run --list",
-    "lab list",
-    "lab skeleton --list",
-    "lab skeleton simple_controller made",
-    "lab check husky --bag ride.lcmlog",
-    "launch --list",
-    "launch robot.yaml --show-args",
-    "launch robot.yaml --nodes",
-    "launch robot.yaml --args /husky0/hello",
-    "launch robot.yaml --find-node /husky0/hello",
-    "launch robot.yaml --dump-params",
-    "launch robot.yaml --files",
-    "launch robot.yaml --dry-run",
-    "pkg create fresh --msg Reading",
-    "pkg add-node second --package air",
-    "pkg list",
-    "pkg find air",
-    "pkg cpp-path",
-    "pkg build air",
-    "config",
-    "node kill talker",
-]
+LINES = Path(__file__).with_name("json_lines.txt").read_text().splitlines()
 
 
 @pytest.fixture(scope="module")

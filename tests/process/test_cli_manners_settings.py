@@ -37,21 +37,6 @@ def test_file_moves_commands_and_nodes_to_its_bus(
     assert echo.out.startswith("data: ")
 
 
-def test_flag_wins_over_environment_over_file(write, cli):
-    path = write("# mine\ndomain: 3\ntimeout: 200ms\n")
-
-    def bus(*arguments, **environment):
-        report = json.loads(cli("config", "--json", *arguments, env=environment).out)
-        return report["bus"]["value"].rpartition(":")[2], report["bus"]["source"]
-
-    url = "udpm://239.255.76.67:7673?ttl=0"
-    assert bus() == ("7670?ttl=0", f"{path}:2")
-    assert bus(LCMTOOLS_DOMAIN="4") == ("7671?ttl=0", "LCMTOOLS_DOMAIN")
-    assert bus("--domain", "5", LCMTOOLS_DOMAIN="4") == ("7672?ttl=0", "--domain")
-    assert bus("--domain", "5", LCM_DEFAULT_URL=url) == ("7672?ttl=0", "--domain")
-    assert bus("--lcm-url", url, "--domain", "5") == ("7673?ttl=0", "--lcm-url")
-
-
 def test_config_is_a_table_for_people(write, cli):
     path = write("domain: 3\n")
     result = cli("config", env={"LCMTOOLS_NAMESPACE": "/husky0"})
@@ -112,11 +97,6 @@ def test_broken_file_stops_nothing_that_does_without(command, write, cli):
     write("domain: [\n")
     result = cli(*command.split())
     assert (result.code, result.err) == (0, "")
-
-
-def test_home_that_is_no_folder_is_no_fault(cli, bus_url):
-    result = cli("list", env={"LCM_DEFAULT_URL": bus_url, "XDG_CONFIG_HOME": "/dev/null"})
-    assert (result.code, result.err) == (0, f"no topics on {bus_url}\n")
 
 
 def test_home_that_cannot_be_read_is_named_and_gone_on_with(cli, bus_url, tmp_path):

@@ -103,14 +103,8 @@ def test_set_changes_a_parameter(cli, words, name, value):
             ["gain", "fast"],
             "/husky0/driver rejects the change: parameter gain: expected a number, got 'fast'",
         ),
-        (
-            ["gain", "11"],
-            "/husky0/driver rejects the change: parameter gain: 11.0 is more than 10.0",
-        ),
-        (["name", "eve"], "/husky0/driver rejects the change: eve may not drive"),
         (["gian", "1"], "/husky0/driver has no parameter 'gian'; did you mean gain?"),
         (["{gain: 2, name: eve}"], "/husky0/driver rejects the change: eve may not drive"),
-        (["{pid: {}}"], "/husky0/driver has no parameter 'pid'; did you mean pid.kp?"),
         (["{pid: {kq: 2}}"], "/husky0/driver has no parameter 'pid/kq'; did you mean pid.kp?"),
     ],
 )

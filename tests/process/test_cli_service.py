@@ -162,15 +162,6 @@ def test_a_bad_request_in_a_file_sends_none(cli):
 
 
 @shared_server
-def test_a_slow_service_with_a_large_response_is_called_once(cli):
-    first, second = (
-        cli("service", "call", "/server/slow", "--timeout", "10s", "--json") for _ in range(2)
-    )
-    counts = [int(json.loads(d.out)["message"].rstrip("x")) for d in (first, second)]
-    assert counts[1] == counts[0] + 1
-
-
-@shared_server
 def test_no_answer_in_time_exits_with_4_and_names_the_node(cli):
     done = cli("service", "call", "/server/slow", "--timeout", "200ms")
     assert (done.code, done.out) == (4, "")

@@ -72,22 +72,13 @@ def test_time_that_goes_back_is_said_and_counted_anew(simulate, start, lcmtools_
     assert hz.wait_for("min: ").startswith("\tmin: 0.100s max: 0.100s")
 
 
-@pytest.fixture
-def husky(start, lcmtools_path, bus_url, monkeypatch):
-    """The simulator, which tells the time seldom unless somebody says that he listens to it."""
+def test_hz_and_echo_get_the_time_of_each_message(start, lcmtools_path, bus_url, cli, monkeypatch):
+    """The simulator tells the time seldom unless somebody says that he listens to it."""
     monkeypatch.setenv("LCM_DEFAULT_URL", bus_url)
     start(lcmtools_path, "run", "sim", "husky").wait_for("simulating")
-
-
-@pytest.mark.usefixtures("husky")
-def test_hz_gets_the_time_of_each_message(cli):
     reports = cli("hz", "/husky0/imu", "-n", "3", "-w", "20").out.splitlines()
     # 50 Hz by steps of 1/240 s: four or five of them.
     assert reports[-1].startswith("\tmin: 0.017s max: 0.021s")
-
-
-@pytest.mark.usefixtures("husky")
-def test_echo_gets_the_time_of_each_message_without_a_stamp(cli):
     rows = cli("echo", "-p", "/tf", "-n", "60").out.splitlines()
     times = [int(row.split(",")[0]) for row in rows[-20:]]
     assert len(set(times)) == 20

@@ -31,6 +31,9 @@ def test_info_names_the_programs_that_may_be_subscribers(cli, start, wait_until)
     (record,) = json.loads(cli("info", "CMD", "--json").out)
     assert [one["pid"] for one in record["possible_subscribers"]] == [program.pid]
     assert record["subscribers"] == []
+    for words, place in (("list", "-v"), "out"), (("list", "-s"), "err"):
+        assert f"(pid {program.pid})" in getattr(cli(*words), place)
+    assert_says(cli("node", "list").err, "no nodes on", "-a shows programs that are not nodes")
 
 
 @pytest.mark.parametrize(

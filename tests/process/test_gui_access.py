@@ -126,14 +126,6 @@ def test_a_token_gives_the_right_to_watch_or_to_command(open_window):
         assert page.request("do", "publish", **form)["answer"] is None
 
 
-def test_nobody_commands_a_read_only_window(open_window):
-    window = open_window(read_only=True)
-    form = {"topic": "/a", "type": "std_msgs/String", "values": {"data": "x"}}
-    with window.page() as page:
-        assert page.hello["rights"] == ["watch"]
-        assert "error" in page.request("do", "publish", **form)
-
-
 @pytest.mark.parametrize(
     "rubbish",
     [

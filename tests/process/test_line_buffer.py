@@ -2,7 +2,7 @@
 
 import socket
 
-from lcmtools.bus.line_buffer import Ends, LineBuffer, LineBuffers
+from lcmtools.bus.line_buffer import Addresses, LineBuffer, LineBuffers
 
 
 def _size(connection):
@@ -17,7 +17,7 @@ def test_connections_within_a_computer_are_left_alone():
         before = _size(connection)
         LineBuffer(connection).adjust(connection, 1.0)
         buffers = LineBuffers()
-        buffers.follow([Ends.of(connection.fileno())])
+        buffers.follow([Addresses.of(connection.fileno())])
         buffers.adjust(1.0)
         assert _size(connection) == before
 

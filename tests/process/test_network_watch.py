@@ -120,6 +120,7 @@ def test_programs_that_start_without_a_route_hear_each_other_and_follow_the_netw
     for program in programs:
         program.wait_for("there is no route to 239.255.76.67")
         program.wait_for("hello")
+    begin(_URL, "", "node", "list").wait_for("lcmtools node list: there is no route to")
     _connect(laptop, "w0", 600)
     for program in programs:
         program.wait_for("now go over w0")

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -126,8 +127,10 @@ with Node("victim") as node:
 }
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("doing", _BUSY)
+@pytest.mark.parametrize(
+    ("doing", "number"),
+    [("idle", signal.SIGTERM), *zip(_BUSY, cycle((signal.SIGINT, signal.SIGTERM)), strict=False)],
+)
 def test_a_signal_ends_a_node_soon_with_a_goodbye(run, watch, stopwatch, wait_until, doing, number):
     victim = run(_HEAD + _BUSY[doing] + "\nlcmtools.shutdown()\n")
     victim.wait_for("ready")

@@ -1,6 +1,5 @@
 """The way of messages to callbacks: at once where they are received, or through a queue."""
 
-import os
 import threading
 import time
 import traceback
@@ -11,7 +10,6 @@ import lcmtools
 from lcmtools import Node
 from lcmtools.arguments import NodeArguments
 from lcmtools.bus.url import parse_url
-from lcmtools.errors import BusOfParent
 from lcmtools.node.process import open_context
 from lcmtools.types.std_msgs import UInt32
 
@@ -111,16 +109,3 @@ def test_a_small_message_does_not_overtake_a_large_one(node, publishers):
         publisher.publish(UInt32(1))
     _spin_until(node, lambda: len(sizes) == 6)
     assert sizes == [300_000, 12] * 3
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
-def test_a_forked_process_sends_nothing_with_its_parents_publisher(node):
-    publisher = node.create_publisher(UInt32, "/a")
-    if (pid := os.fork()) == 0:
-        try:
-            publisher.publish(UInt32(1))
-        except BusOfParent:
-            os._exit(7)
-        finally:
-            os._exit(1)
-    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == 7

@@ -58,11 +58,6 @@ def test_a_program_says_which_of_its_names_no_node_uses(run):
     ]
 
 
-def test_a_namespace_given_as_a_parameter_is_told(run):
-    node = run("_ns:=/husky0")
-    assert node.wait_for("no parameter").endswith("'ns'; did you mean __ns:= or __name:=?")
-
-
 def test_the_second_node_of_a_name_says_so(run):
     first = run()
     first.wait_for("ready")

@@ -40,7 +40,7 @@ def test_the_cause_of_an_error_counts(capsys):
     assert "no more memory" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("descriptors", range(6, 11))
+@pytest.mark.parametrize("descriptors", [6, 8, 10])
 def test_a_window_with_few_descriptors_says_so(descriptors, bus_url, lcmtools_path):
     window = f"{lcmtools_path} gui all --no-open --port 0"
     result = subprocess.run(

@@ -146,25 +146,12 @@ def test_a_snapshot_is_a_png_file_and_none_is_overwritten(cli, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["state", "r2d2"], "there is no robot 'r2d2'; known: /husky0, /dolly"),
         (["state", "husky1"], "there is no robot 'husky1'; did you mean /husky0?"),
-        (["delete", "doly"], "there is no robot 'doly'; did you mean /dolly?"),
-        (
-            ["set-pose", "husky1", "0", "0"],
-            "there is no robot or movable object 'husky1'; did you mean /husky0?",
-        ),
-        (
-            ["set-pose", "husky0", "1e9", "0"],
-            "the pose is not finite, or farther than 100000 m",
-        ),
         (["spawn", "huski", "a", "9", "9"], "unknown model 'huski'; did you mean husky?"),
-        (["spawn", "husky", "dolly", "9", "9"], "there is already a robot /dolly"),
-        (["step", "1000001"], "steps must be from 1 to 1000000, not 1000001"),
         (
             ["snapshot", "x.png", "--robot", "r2d2"],
             "there is no robot 'r2d2'; known: /husky0, /dolly",
         ),
-        (["snapshot", "x.png", "--width", "5000"], "a picture has 1 to 4096 columns and rows"),
     ],
 )
 def test_failures_are_one_line_and_exit_code_1(cli, arguments, complaint):
@@ -192,8 +179,7 @@ def test_another_node_is_no_simulator(start, cli, lcmtools_path):
     assert_line(result.err, "lcmtools sim pause: ", *parts)
 
 
-@pytest.mark.parametrize("timeout", ["1.5", "2.5"])
-@pytest.mark.parametrize("command", ["echo", "hz", "bw", "delay"])
+@pytest.mark.parametrize(("command", "timeout"), [("echo", "1.5"), ("hz", "2.5")])
 def test_a_paused_simulator_is_the_reason_why_nothing_comes(command, timeout, cli):
     result = cli(command, "/husky0/imu", "--timeout", timeout)
     assert result.code == 4

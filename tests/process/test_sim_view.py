@@ -22,8 +22,7 @@ def is_there(address):
     return False
 
 
-@pytest.mark.parametrize("word", ["--view", "--gui"])
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize(("word", "number"), [("--view", signal.SIGKILL), ("--gui", signal.SIGINT)])
 def test_the_window_is_opened_and_ends_with_the_simulator(
     start, lcmtools_path, bus_url, wait_until, word, number
 ):

@@ -188,7 +188,7 @@ def sample(cls, depth=0):
 
 @st.composite
 def texts(draw):
-    """The text of a package with enums and structs, of which each may contain those before."""
+    """The text of a package with enums and structs, which hold those before and arrays of any."""
     lines, known = ["package judged; // a /* comment"], [*PRIMITIVES, "string"]
     for number in range(draw(st.integers(0, 2))):
         values = draw(st.lists(st.sampled_from(NAMES), unique=True, max_size=3))
@@ -199,14 +199,15 @@ def texts(draw):
         items = ", ".join(map("".join, zip(values, marks, strict=True)))
         lines.append(f"enum E{number} {{ {items} }} /* {{ */")
         known.append(f"E{number}")
-    for number in range(draw(st.integers(1, 3))):
-        lines.append(draw(structs(number, tuple(known))))
+    count = draw(st.integers(1, 3))
+    for number in range(count):
+        lines.append(draw(structs(number, tuple(known), count)))
         known += [f"S{number}", f"judged.S{number}"]
     return "\n".join(lines)
 
 
 @st.composite
-def structs(draw, number, known):
+def structs(draw, number, known, count):
     names = draw(st.lists(st.sampled_from(NAMES), unique=True, min_size=1))
     sizes, lines = ["1", "3"], []
     if draw(st.booleans()):
@@ -218,7 +219,7 @@ def structs(draw, number, known):
         dimensions = draw(st.lists(st.sampled_from(sizes), max_size=2))
         kind = draw(st.sampled_from(known))
         if any(size in NAMES for size in dimensions):
-            kind = draw(st.sampled_from((*known, f"S{number}")))
+            kind = draw(st.sampled_from((*known, *(f"S{at}" for at in range(count)))))
         lines.append(f"  {kind} {name}{''.join(f'[ {size}]' for size in dimensions)};")
         if kind in INTEGERS and not dimensions:
             sizes.append(name)
@@ -231,6 +232,12 @@ def test_generated_types_are_the_same(found):
     named = (text.replace("judged", f"judged{number}") for number, text in enumerate(found))
     with TemporaryDirectory() as folder:
         assert_same(Path(folder), "\n".join(named))
+
+
+def test_types_that_hold_each_other_are_the_same(tmp_path):
+    fields = "int8_t n; {0} one[n]; {0} two[2][n]; {0}"
+    texts = [f"struct {a} {{ {fields.format(b)} three[n][n]; }}" for a, b in ("XY", "YZ", "ZX")]
+    assert_same(tmp_path, " ".join(["package judged;", *texts]))
 
 
 def test_a_size_that_is_not_decimal_is_hashed_as_it_is_written(tmp_path):

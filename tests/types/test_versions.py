@@ -5,7 +5,7 @@ import json
 import pytest
 
 from lcmtools import message_class, to_dict
-from lcmtools.bag.recorded_types import recorded_types
+from lcmtools.bag.index_notes import recorded_types
 from lcmtools.errors import UnknownType
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import fields

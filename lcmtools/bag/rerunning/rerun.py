@@ -81,7 +81,6 @@ class _Rerunner:
         self._contract = None if manner.against is None else read_contract(manner.against)
 
     def result(self, log: str, program: Tested, notes: list[str]) -> Rerun:
-        """Run the program, and compare."""
         began = time.monotonic()
         run = self._run(program)
         duration = time.monotonic() - began
@@ -102,6 +101,9 @@ class _Rerunner:
             topics.append(found)
         if not trouble and not any(topic.is_judged for topic in topics):
             trouble.append(self._idle(run))
+        for topic in sorted(set(self._manner.outputs) - was.keys() - now.keys()):
+            hint = self._near(topic)
+            trouble.append(f"{topic} is neither in the log nor published{hint and f'; {hint}'}")
         notes += self._unserved(run)
         start, end = self._window
         return Rerun(
@@ -153,7 +155,8 @@ class _Rerunner:
                         source = lambda *_: messages  # noqa: E731 - the player never seeks
                         session.real_time(Player(source, self._window, rate=rate, now=now))
                     else:
-                        session.lockstep(self._messages(session.is_input), end)
+                        messages = self._messages(session.is_input)
+                        run.not_in_step = session.lockstep(messages, end)
                 except Stopped as stop:
                     run.trouble = str(stop)
                 run.last_lines = programs.last_lines()

@@ -24,7 +24,7 @@ from lcmtools.observe.measuring.curves import (
     write_figure,
 )
 from lcmtools.observe.reading.log_file import LogFile
-from lcmtools.text_table import text_table
+from lcmtools.text_table import plural, text_table
 from lcmtools.wire.packet import Packet
 
 _HEAD = ("TOPIC", "RECORDED", "NOW", "MATCHED", "MISSING", "EXTRA", "LATE", "DIFFER", "DELAY")
@@ -68,13 +68,13 @@ def rows(result: Rerun) -> list[str]:
     """Return the lines of a report."""
     run, topics = result.run, result.topics
     lasted = f"{result.seconds:.1f} s of the log in {result.duration:.1f} s"
-    played = f"{run.inputs} messages on {len(run.input_topics)} topics"
+    played = f"{plural(run.inputs, 'message')} on {plural(len(run.input_topics), 'topic')}"
     found = [f"{result.program}: {played}, {lasted}, {_manner(run)}"]
     if topics:
         found += ["", *text_table([_HEAD, *map(_cells, topics)])]
     found += [f"{topic.topic}: {line}" for topic in topics for line in _details(topic, result)]
     found += [f"note: {note}" for note in result.notes]
-    found += [f"FAIL {line}" for line in result.trouble]
+    found += [f"FAIL {line.splitlines()[0]}" for line in result.trouble]
     found += [f"  | {line}" for line in run.last_lines if result.trouble]
     return [*found, "equal" if result else "different"]
 
@@ -197,7 +197,7 @@ def _cells(topic: TopicComparison) -> tuple[str, ...]:
     lost = len(topic.missing), len(topic.extra), len(topic.late)
     counts = (topic.recorded, topic.now, topic.matched, *lost, topic.differing)
     delays = (topic.delay_recorded, topic.delay_now)
-    delay = " -> ".join("-" if one is None else f"{1000 * one:.1f}" for one in delays) + " ms"
+    delay = " -> ".join("-" if one is None else f"{1000 * one:.1f} ms" for one in delays)
     return topic.topic, *map(str, counts), delay
 
 

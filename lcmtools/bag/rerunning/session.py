@@ -98,7 +98,7 @@ class Run:
     last_lines: list[str] = field(default_factory=list)
     real_time: str = ""  # why it was not in lock-step; "" if it was
     not_in_step: str = ""  # why nodes must start again without lock-step
-    unprompted: int = 0  # messages that were published while no step was being done
+    unprompted: str = ""  # the first topic published on while no step was being done
     lateness: list[int] = field(default_factory=list)  # of the inputs in real time [ns]
 
     def outputs(self) -> set[str]:
@@ -171,7 +171,7 @@ class Session:
             self._keep(found, self._start)
             now = time.monotonic()
             if self.run.unprompted:
-                return f"it published {found[-1].channel} without a message or a timer"
+                return self._unprompted()
             own += len(found)
             for client in self._bus.clients:
                 if STEP_CHANNEL in client.patterns and client not in self._asked:
@@ -193,14 +193,21 @@ class Session:
         """True if programs are connected that answer steps."""
         return bool(self._answers)
 
-    def lockstep(self, messages: Iterator[Played], end: int) -> None:
-        """Play messages, each when the one before has been handled; timers run up to ``end``."""
+    def lockstep(self, messages: Iterator[Played], end: int) -> str:
+        """Play messages, each when the one before has been handled; timers run up to ``end``.
+
+        Return why that was not lock-step, or "": a thread may begin to publish meanwhile.
+        """
         for message in messages:
             if self.is_input(message):
                 self._run_timers(message.time)
                 self._count(message)
                 self._pass(message)
         self._run_timers(end)
+        quiet = time.monotonic() + QUIET
+        while not self.run.unprompted and (left := quiet - time.monotonic()) > 0:
+            self._turn(left)
+        return self._unprompted()
 
     def real_time(self, player: Player) -> None:
         """Play messages when they are due by the computer's clock."""
@@ -224,6 +231,10 @@ class Session:
             found = self._turn(QUIET)
             self._keep(found, player.time(time.monotonic_ns()), sent)
             last = time.monotonic() if found else last
+
+    def _unprompted(self) -> str:
+        topic = self.run.unprompted
+        return f"it published {topic} without a message or a timer" if topic else ""
 
     def _is_ready(self) -> bool:
         is_complete = len(self._bus.clients) >= self._programs.count
@@ -323,7 +334,8 @@ class Session:
             else:
                 found.append(one)
                 is_answered = self._answers.get(one.client, -1) == self._asked.get(one.client)
-                self.run.unprompted += is_answered and one.channel not in OF_EVERY_NODE
+                if is_answered and one.channel not in OF_EVERY_NODE:
+                    self.run.unprompted = self.run.unprompted or one.channel
         return found
 
     def _talk(self, one: Published) -> None:

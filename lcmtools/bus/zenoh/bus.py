@@ -35,7 +35,7 @@ class ZenohBus(ReceivingBus):
             raise self._refusal()
         self._session.publish(channel, payload, type_name, latched=latched)
 
-    def unsent(self) -> tuple[str, Mapping[str, int]]:
+    def dropped(self) -> tuple[str, Mapping[str, int]]:
         """Return the end of a full line, and the number of messages that were not sent."""
         return " and ".join(self._session.sender.full_lines()), self._session.dropped_of()
 

@@ -6,6 +6,7 @@ If all messages of a sender are late, all sessions are asked for the time.
 import time
 from collections import deque
 
+from lcmtools.bounded import BoundedDict
 from lcmtools.bus.zenoh.keep_last_sender import CLOCK
 from lcmtools.bus.zenoh.opening import zenoh
 from lcmtools.wire.lateness import Lateness
@@ -13,7 +14,6 @@ from lcmtools.wire.stamp import Stamp, decode_stamp, encode_stamp
 
 _PERIOD = 2_000_000_000  # [ns] between comparisons of clocks, at least
 _TIMEOUT = 1.0  # [s]
-_MOST_SENDERS = 10_000
 
 
 class LateMessages:
@@ -21,7 +21,7 @@ class LateMessages:
 
     def __init__(self, session: zenoh.Session, key: str) -> None:
         self._session, self._key = session, key
-        self._lateness: dict[int, Lateness] = {}
+        self._lateness = BoundedDict[int, Lateness]()  # by sender
         self._answers: deque[tuple[int, int, int, int]] = deque()  # from Zenoh's threads
         self._next = 0  # [ns]
 
@@ -33,10 +33,8 @@ class LateMessages:
             sender, *times = self._answers.popleft()
             if sender in self._lateness:
                 self._lateness[sender].compare(*times)
-        lateness = self._lateness.get(stamp.sender)
+        lateness = self._lateness.use(stamp.sender)
         if lateness is None:
-            if len(self._lateness) >= _MOST_SENDERS:
-                self._lateness.clear()
             lateness = self._lateness[stamp.sender] = Lateness()
         is_late = lateness.is_late(stamp.time, arrival)
         if lateness.is_doubtful and arrival >= self._next:

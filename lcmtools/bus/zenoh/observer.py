@@ -13,8 +13,6 @@ from lcmtools.wire.packet import Packet, Sender
 from lcmtools.wire.sequence import Sequence
 from lcmtools.wire.stamp import Origin
 
-_MOST_SENDERS = 4000  # that are remembered
-
 
 class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
     """An observer of a Zenoh bus: a subscription to everything, with the senders of messages.
@@ -41,10 +39,10 @@ class ZenohObserver(contextlib.AbstractContextManager["ZenohObserver"]):
         self._session.sender.numbers_when_sent = is_relay
         self._session.sender.hears_itself = not is_relay
         self._closed = False
-        # This listener as the sender of its own messages.
+        # This observer as the sender of its own messages.
         self.sender = Sender(f"{self._session.id:016x}", 0)
         # Each sender's sequence numbers, which show its losses.
-        self.numbered = BoundedDict[Sender, Sequence](_MOST_SENDERS)
+        self.numbered = BoundedDict[Sender, Sequence]()
         self._session.subscribe(None)
 
     def __exit__(self, *_: object) -> None:

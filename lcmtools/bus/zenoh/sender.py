@@ -8,7 +8,7 @@ import itertools
 import time
 from collections import Counter
 
-from lcmtools.bus.line_buffer import Ends, LineBuffers
+from lcmtools.bus.line_buffer import Addresses, LineBuffers
 from lcmtools.bus.zenoh.keep_last_sender import (
     CLOCK,
     MOST_WAITING_BYTES,
@@ -86,7 +86,7 @@ class ZenohSender:
         ends = (
             tuple(map(_socket_address, (link.src, link.dst))) for link in self._session.info.links()
         )
-        self._lines.follow(Ends(own, other) for own, other in ends if own and other)
+        self._lines.follow(Addresses(own, other) for own, other in ends if own and other)
 
     def _outgoing(
         self, channel: str, key: str, payload: bytes, origin: Origin | None, *, may_be_late: bool

@@ -2,7 +2,7 @@
 
 from lcmtools.bag.compare import differences
 from lcmtools.bag.contract import breaches, read_contract
-from lcmtools.cli.bag.common import summary_of
+from lcmtools.cli.bag.common import notify_damage, summary_of
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import write_document, write_lines, write_result
@@ -50,6 +50,7 @@ def diff(first: str, second: str, *, ignore_times: bool, as_json: bool) -> int:
     """
     with LogFile(first) as one, LogFile(second) as other:
         found = [d for d in differences(one, other, times=not ignore_times) if not d.is_equal]
+        notify_damage(one, other)
     names = ("topic", "first", "second", "only_first", "only_second")
     records = [{name: getattr(one, name) for name in names} for one in found]
     write_result(records, map(str, found), as_json=as_json)

@@ -9,6 +9,7 @@ import click
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.summary import LogSummary, summarize
 from lcmtools.bag.surgery import write_log
+from lcmtools.cli.bus import notify
 from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option, log_time
 from lcmtools.cli.output import progress, results_beside, write_result
@@ -98,6 +99,7 @@ def write(
     force: bool,
     as_json: bool,
     more: Callable[[], Mapping[str, object]] = dict,
+    tell_damage: bool = True,
     **change: Any,  # noqa: ANN401 - of write_log
 ) -> None:
     """Write a log, and print how many messages it has. JSON also has what ``more`` returns then."""
@@ -112,8 +114,17 @@ def write(
         **more(),
     }
     rows = [f"{target}: {plural(done.messages, 'message')}, {size_text(size)}"]
+    if tell_damage:
+        notify_damage(*sources)
     with results_beside(target):
         write_result(record, rows, as_json=as_json)
+
+
+def notify_damage(*logs: LogFile) -> None:
+    """Write a note for each log with bytes that belong to no message."""
+    for log in logs:
+        if damage := log.damage(log.blocks()):
+            notify(damage)
 
 
 def refuse_no_files(words: tuple[str, ...], topics: tuple[str, ...]) -> None:

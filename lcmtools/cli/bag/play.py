@@ -1,14 +1,14 @@
 """``lcmtools bag play``."""
 
+import math
 from collections.abc import Callable
-from typing import Any
 
 from lcmtools.bag import stamps
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.play import Manner, play
-from lcmtools.bag.player import Position
-from lcmtools.bag.player_keys import KEYS_HELP
+from lcmtools.bag.player import KEYS_HELP, Position
 from lcmtools.bag.playlist import Choice
+from lcmtools.bag.times import LogTime
 from lcmtools.cli.bag.common import (
     exclude_option,
     not_negative,
@@ -25,6 +25,7 @@ from lcmtools.cli.output import write_note
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.terminal import has_keys
+from lcmtools.text_table import plural
 
 _rate = not_negative("the rate must be positive, or 0 for as fast as possible")
 
@@ -61,20 +62,34 @@ _rate = not_negative("the rate must be positive, or 0 for as fast as possible")
     "waits",
     help="Wait until a node subscribes to each topic; plain LCM programs do not count.",
 )
-@option("--max-gap", "most_gap", type=duration, help="Skip longer times without messages.")
+@option(
+    "--max-gap",
+    "most_gap",
+    type=duration,
+    help="Skip longer times without messages.",
+)
 @flag("-p", "--pause", "is_paused", help="Start paused.")
 @flag("--force", help="Play even if another program publishes, or a robot would obey.")
 @flag("-q", "--quiet", help="Show no progress.")
 def command(
     files: tuple[str, ...],
     *,
+    rate: float,
+    start: LogTime | None,
+    end: LogTime | None,
+    duration: float | None,
+    loops: bool,
     wanted: tuple[str, ...],
     excluded: tuple[str, ...],
     by_stamp: bool,
     type_: str | None,
     topic: str | None,
+    clock: bool,
+    waits: bool,
+    most_gap: float | None,
+    is_paused: bool,
+    force: bool,
     quiet: bool,
-    **options: Any,  # noqa: ANN401 - of Manner
 ) -> None:
     """Publish the messages of logs again, with their original timing.
 
@@ -92,20 +107,33 @@ def command(
     right seek 5 s, [ and ] a minute, up and down double and halve the rate, 0 to 9 jump to that
     tenth of the log, q ends.
     """
-    if options["is_paused"] and not has_keys():
+    if is_paused and not has_keys():
         raise UsageError("--pause needs a terminal, because only a key resumes", "leave it out")
     refuse_no_files(files, wanted)
-    names, clock = bus_choice().names, options["clock"]
-    choice = Choice(topics=TopicChoice(wanted, excluded), names=names, keeps_clock=clock)
-    typed = {name: value for name, value in options.items() if value is not None}
-    manner = Manner(typed=(*files, *["--by-stamp"] * by_stamp), **typed)
+    topics = TopicChoice(wanted, excluded)
+    choice = Choice(topics=topics, names=bus_choice().names, keeps_clock=clock)
+    manner = Manner(
+        rate=rate,
+        start=start,
+        end=end,
+        duration=duration,
+        loops=loops,
+        is_paused=is_paused,
+        clock=clock,
+        waits=waits,
+        most_gap=math.inf if most_gap is None else most_gap,
+        typed=(*files, *["--by-stamp"] * by_stamp),
+        force=force,
+    )
     with (
         StatusLine("lcmtools bag play", is_quiet=quiet) as line,
         stamps.by_stamp(files, type_, topic, wanted=by_stamp) as paths,
     ):
         show = _position_shower(line)
         result = play(paths, chosen_url(), choice, manner, notify=line.write_note, on_position=show)
-        line.write_note_unless_quiet(f"{result.messages} messages in {result.seconds:.1f} s")
+        line.write_note_unless_quiet(
+            f"{plural(result.messages, 'message')} in {result.seconds:.1f} s"
+        )
 
 
 def _position_shower(line: StatusLine) -> Callable[[Position], None]:

@@ -74,7 +74,6 @@ def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Ite
 
 
 def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
-    """Return the summary for JSON."""
     return {
         "files": [*map(str, series.paths)],
         "messages": progress.messages,

@@ -18,8 +18,7 @@ from lcmtools.cli.output import write_result
 from lcmtools.cli.status_line import StatusLine
 from lcmtools.errors import UsageError
 from lcmtools.folders import write_whole
-from lcmtools.launch.command_line import read_words
-from lcmtools.launch.file import read_file
+from lcmtools.launch.file import read_file, read_words
 from lcmtools.launch.packages import find_files
 from lcmtools.launch.reading import make_plan
 from lcmtools.observe.measuring.curves import check_suffix

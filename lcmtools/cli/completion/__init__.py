@@ -7,9 +7,8 @@
     tree        the commands, options and arguments as plain data, from a file
     from_click  the file, made from the commands; never imported by a completion
     line        the option or argument that the word under the cursor belongs to
-    shells      requests and answers of bash, zsh and fish, with their quoting
-    answer      the entry point: silent whatever happens
-    install, command, scripts/
+    answer      the entry point: requests and answers of bash, zsh and fish, with their quoting
+    install, completion, scripts/
                 ``lcmtools completion`` and the shells' side
 
 A completion answers in well under 150 ms: click, the commands and lcm are not imported, and to

@@ -20,7 +20,6 @@ def text() -> str:
 
 
 def _rows(path: Sequence[str]) -> Iterator[list[object]]:
-    """Yield the rows of a command and its subcommands."""
     described = _described(path)
     yield [" ".join(path), *described]
     for name in described.commands:
@@ -28,7 +27,6 @@ def _rows(path: Sequence[str]) -> Iterator[list[object]]:
 
 
 def _described(path: Sequence[str]) -> Command:
-    """Describe the command with these words."""
     command: click.Command | None = root
     context = click.Context(root, info_name="lcmtools")
     for word in path:

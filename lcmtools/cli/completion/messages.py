@@ -122,7 +122,6 @@ def _split(
 
 
 def _fields_of_any(types: Iterable[str], path: str) -> Iterator[Candidate]:
-    """Complete a field path for messages of any of the types."""
     for name in types:
         with contextlib.suppress(LcmtoolsError):  # an unknown type, or no such path
             yield from _fields(message_class(name), path)

@@ -117,7 +117,7 @@ def launch_words(situation: Situation) -> Iterator[Candidate]:
 
 def launched_nodes(situation: Situation) -> Iterator[Candidate]:
     """Complete the nodes of the launch file before the cursor, if it is valid."""
-    from lcmtools.launch.command_line import read_words
+    from lcmtools.launch.file import read_words
     from lcmtools.launch.reading import make_plan
 
     try:

@@ -107,8 +107,7 @@ def open_window(
     with needing_extra("web", "gui needs"):
         from lcmtools.gui.server import PortInUse, Server
     from lcmtools.gui.access import access_for
-    from lcmtools.gui.browser import show_page
-    from lcmtools.gui.own_token import own_token
+    from lcmtools.gui.browser import own_token, show_page
 
     access = access_for(
         choice.host,

@@ -42,19 +42,16 @@ def list_nodes(
     "*arm*".
     """
     with open_monitor("node_list", asks=True) as monitor:
-        from lcmtools.observe.reports import node_list_report  # while the nodes answer
+        from lcmtools.observe.reading.senders import programs  # while the nodes answer
+        from lcmtools.observe.reports import node_list_report, program_report
         from lcmtools.observe.reports.describe import listed_node
-
-        if show_all:
-            from lcmtools.observe.reading.senders import programs
-            from lcmtools.observe.reports import program_report
 
         graph, url = monitor.settle(foreign=show_all, wait=wait if show_all else None), monitor.url
     pattern = Pattern(in_names(namespace), looking_names().namespace, hidden=show_all)
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
-    others = programs(graph, url) if show_all and not namespace else []
+    others = programs(graph, url) if (show_all or not nodes) and not namespace else []
     if as_json:
-        records = [program_report.record(one) for one in others]
+        records = [program_report.record(one) for one in others if show_all]
         write_document([*map(node_list_report.record, nodes), *records])
     elif count:
         write_data(str(len(nodes)))
@@ -67,7 +64,8 @@ def list_nodes(
     else:
         write_lines(map(listed_node, nodes))
     if not nodes and not count:
-        write_note(f"no nodes{f' in {namespace}' if namespace else ''} on {url}")
+        more = "; -a shows programs that are not nodes" if others and not show_all else ""
+        write_note(f"no nodes{f' in {namespace}' if namespace else ''} on {url}{more}")
     names = Counter(node.name for node in nodes if not (node.stale or node.is_recorded))
     if twice := sorted(name for name, number in names.items() if number > 1):
         write_note(f"several nodes have the same name: {', '.join(twice)}; lcmtools wtf shows more")

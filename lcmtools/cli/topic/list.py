@@ -1,6 +1,6 @@
 """``lcmtools list``."""
 
-from lcmtools.cli.bus import looking_pattern, notify_starting, open_monitor
+from lcmtools.cli.bus import looking_pattern, notify, notify_starting, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options_of_list
 from lcmtools.cli.output import write_data, write_result
@@ -41,11 +41,13 @@ def command(
         raise UsageError("-p and -s exclude each other", "leave out both for all topics")
     with open_monitor("list", asks=True) as monitor:
         from lcmtools.observe.channels.activity import settled  # while the nodes answer
+        from lcmtools.observe.reports.program_report import listeners_text
         from lcmtools.observe.reports.topic_list_report import TopicList
 
         (graph, rates), url = settled(monitor, wait, hz=hz), monitor.url
+        listeners = listeners_text(graph, url) if subscribed or verbose else ""
     pattern = looking_pattern(namespace, hidden=show_all)
-    listed = TopicList(not subscribed, not published, verbose, show_types, rates)
+    listed = TopicList(not subscribed, not published, verbose, show_types, rates, listeners)
     known = [graph.topic(name) for name in graph.topic_names() if pattern.covers(name)]
     topics = list(filter(listed.has, known))
     if count_topics:
@@ -54,4 +56,6 @@ def command(
     rows = listed.rows_by_host(topics) if by_hosts else listed.rows(topics)
     none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
     write_result(list(map(listed.record, topics)), rows, as_json=as_json, none=none)
+    if subscribed and listeners and not verbose:
+        notify(f"it is not seen to which channels these listen: {listeners}")
     notify_starting(graph, url)

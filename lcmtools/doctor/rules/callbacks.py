@@ -1,7 +1,7 @@
 """Rules about callbacks: nodes that are too slow for their messages, and the causes."""
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from lcmtools.doctor.evidence import Evidence, derived
@@ -17,11 +17,12 @@ _UNBROKEN = 0.999  # without a pause, which a busy computer does not cause
 _ENOUGH_CALLS = 5  # the first calls may load what later ones need
 _MANY = 0.05  # share of all messages: more than the first seconds lose
 _QUICK = 0.5  # share of the time between two messages, or of all time
+_FLOOD = 250_000  # [ns] between two messages that no node in Python takes for long
 _MISSED = 0.25  # share of messages: more than the irregularity of a busy computer loses
 _LONG_CALL, _HANGS = 20_000_000, 3_000_000_000  # [ns] in one call
 
 _IRREGULAR = frozenset({"dropped-in-bursts", "dropped-held-up", "dropped-long-call"})
-_LOST = "{node} lost {lost} messages of {topic} (depth {depth})"
+_LOST = "{node} lost {lost:messages} of {topic} (depth {depth})"
 _PACE = "its callback takes {callback_time:time}, messages come every {interval:time}"
 _NEVER_ENDS = "a call of its callback has not ended for {seconds:time}"
 _BUSIEST_LESS = {"busiest-less": "let {busiest:work} of {node} do less, and never wait"}
@@ -60,7 +61,8 @@ class _Work:  # a node's work between the start and the end of the look
 class _Subscription:  # a subscription with a queue, between the start and the end of the look
     work: _Work
     endpoint: Endpoint  # as it is now
-    lost: int  # messages that its full queue dropped meanwhile
+    came: int  # messages that came meanwhile
+    lost: int  # those of them that its full queue dropped
     took: float  # [ns] a call of its callback; 0 if none ran
     interval: float  # [ns] between two messages; 0 if none came
     hangs: int  # [ns] that a call of its callback runs and does not end; 0 for none
@@ -96,6 +98,8 @@ class _Subscription:  # a subscription with a queue, between the start and the e
     facts={
         "dropped-by-busy-node": f"{_LOST}: its node is in {{busiest:work}} most of the time",
         "dropped-by-queue": _LOST,
+        "dropped-flood": f"{_LOST}: they come every {{interval:time}}, faster than it can take"
+        " them",
         "dropped-hanging": f"{_LOST}: {_NEVER_ENDS}",
         "dropped-held-up": f"{_LOST}: its node was in {{busiest:work}} for {{seconds:time}}"
         " meanwhile",
@@ -112,6 +116,7 @@ class _Subscription:  # a subscription with a queue, between the start and the e
         "callback-less-or-rate": "let the callback of {topic} do less, or publish it only every"
         " {seconds:time}",
         "depth": "increase the queue depth of the subscription of {topic}",
+        "loop-waits": "let the loop that publishes {topic} wait between two messages: rate.sleep()",
         "never-wait-or-depth": "let the callback of {topic} never wait, or increase the queue"
         " depth",
     },
@@ -140,10 +145,9 @@ def _is_hasty(one: _Subscription) -> bool:
 
     The messages come in bursts.
     """
-    was = next((was for was, now in one.work.pairs if now is one.endpoint), one.endpoint)
-    came, share = one.endpoint.messages - was.messages, busy_share(one.work.earlier, one.node)
+    share = busy_share(one.work.earlier, one.node)
     is_quick = one.took < _QUICK * one.interval and (share or 0.0) < _QUICK
-    return one.endpoint.depth == 1 and one.lost > _MISSED * came and is_quick
+    return one.endpoint.depth == 1 and one.lost > _MISSED * one.came and is_quick
 
 
 def _had_to_wait(one: _Subscription, evidence: Evidence) -> bool:
@@ -264,8 +268,18 @@ def _cause(one: _Subscription) -> tuple[Statement, Statement]:
         return (lost("hanging", seconds=one.hangs / 1e9), _less(node, topic)) if one.hangs else slow
     if not share:
         return lost("without-spin"), state("spin", node=node)
+    if 0 < one.interval < _FLOOD and one.lost > _MISSED * one.came:
+        return lost("flood", interval=one.interval / 1e9), state("loop-waits", topic=topic)
     if share >= _NEARLY_ALL and busiest:
         return lost("by-busy-node", busiest=busiest), _less(node, busiest)
+    return _irregular_cause(one, lost)
+
+
+def _irregular_cause(
+    one: _Subscription, lost: Callable[..., Statement]
+) -> tuple[Statement, Statement]:
+    """Return the cause of losses at times; ``lost`` returns a statement on the lost messages."""
+    node, topic, endpoint = one.node, one.topic, one.endpoint
     least = max(endpoint.depth * one.interval, _LONG_CALL)  # [ns] that fill the queue
     held_up_by, took = one.work.blocking_work(endpoint, least)
     if endpoint.longest > least:
@@ -322,7 +336,8 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
             interval, took = 1e9 / rate if rate else 0.0, callback_time(was, now) or 0.0
             is_hanging = now.calls == was.calls and now.longest > max(was.longest, _HANGS)
             hangs = now.longest if is_hanging else 0
-            yield _Subscription(work, now, now.drops - was.drops, took, interval, hangs)
+            came, lost = now.messages - was.messages, now.drops - was.drops
+            yield _Subscription(work, now, came, lost, took, interval, hangs)
 
 
 def _has_other_work(node: Node) -> bool:

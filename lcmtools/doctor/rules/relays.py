@@ -44,7 +44,7 @@ def relays_reach_their_buses(evidence: Evidence) -> Iterator[Finding]:
     "relay-losses",
     remedy="let the relay carry less: --rate '/camera/**=5', --newest, --deny",
     title="The following relays drop messages, because a line is full:",
-    facts={"relay-dropped": "{relay} on {host}: {count} messages for {bus}"},
+    facts={"relay-dropped": "{relay} on {host}: {count:messages} for {bus}"},
     remedies={
         "limit-rates": "start {relay} again with `{options}` as well",
         "limit-sender": "let less be sent by {relay}, for example by the relay that brings it:"

@@ -56,7 +56,7 @@ def nothing_is_lost(evidence: Evidence) -> Iterator[Finding]:
     "doubled",
     remedy="remove the second path, or let the sender send once",
     title="Messages of the following come more than once, with the same sequence number:",
-    facts={"doubled": "{sender}: {count} messages"},
+    facts={"doubled": "{sender}: {count:messages}"},
     remedies={
         "find-second-way": "look for a second path to this computer: a loop of cables or bridges,"
         " two interfaces on one network, a mirroring port; or a sender that sends everything twice",
@@ -85,7 +85,7 @@ def messages_come_once(evidence: Evidence) -> Iterator[Finding]:
     title="{count} programs publish on {topics:and} at the same time:",
     facts={
         "publisher": "{sender}: {topic}",
-        "repeats": "{sender}: {topic}, {count} messages that another sender had sent before",
+        "repeats": "{sender}: {topic}, {count:messages} that another sender had sent before",
     },
     remedies={
         **END_OR_REMAP,

@@ -11,6 +11,12 @@ export function clockText(time) {
   return `${parts}.${String(date.getMilliseconds()).padStart(3, "0")}`;
 }
 
+/** Format a time as a part of a file's name, as the page's clock has it. @param {number} time [s since 1970] */
+export function fileTimeText(time) {
+  const day = new Date(Math.round(time * 1000)).toLocaleDateString("sv"); // as in ISO 8601
+  return `${day}_${clockText(time)}`.replace(/[:.]/g, "-");
+}
+
 /** Return a number of things: "1 line", "2 lines". @param {number} count @param {string} noun */
 export function counted(count, noun) {
   return `${count} ${noun}${count === 1 ? "" : "s"}`;

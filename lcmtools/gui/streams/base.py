@@ -3,7 +3,9 @@
 A kind of stream is a class in its own file and a line in ``streams.STREAMS``.
 """
 
+import threading
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -11,6 +13,7 @@ from typing import ClassVar
 
 from lcmtools.gui.protocol import Frame, Json, binary_frame, text_frame
 from lcmtools.gui.source import Source, absence
+from lcmtools.wire.packet import Packet
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +30,35 @@ class Update:
         return binary_frame({"id": number, **self.data}, self.payload)
 
 
+class Waiting:
+    """The newest packets, at most ``most``, which wait for a stream's next update."""
+
+    def __init__(self, most: int = 1) -> None:
+        self._packets: deque[Packet] = deque(maxlen=most)
+        self._count = 0
+        self._lock = threading.Lock()
+
+    def add(self, packet: Packet) -> None:
+        """Add a packet; on the source's thread."""
+        with self._lock:
+            self._packets.append(packet)
+            self._count += 1
+
+    def pop(self) -> tuple[list[Packet], int]:
+        """Remove and return the packets, and the number of those that have ever come."""
+        with self._lock:
+            packets = list(self._packets)
+            self._packets.clear()
+            return packets, self._count
+
+
 class PageStream(ABC):
     """A stream; made, updated and closed on the server's thread.
 
     Its parameters are arguments by keyword, which are read by their annotations.
 
-    A stream that follows a topic calls ``self.follow(topic, self.receive)`` in its ``__init__``.
-    ``receive`` is then called on the source's thread; it must be quick, and lock shared data.
+    A stream of a topic calls ``self.follow(topic, take)`` in its ``__init__``. ``take`` is
+    called on the source's thread; it must be quick, and lock shared data: as ``Waiting.add``.
     """
 
     period: ClassVar[float] = 0.1  # the shortest time between two updates [s]

@@ -1,7 +1,6 @@
 """The stream of the tree of frames: each frame below its parent, its age, and who publishes it."""
 
-import threading
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -9,7 +8,7 @@ from lcmtools.errors import DecodeError
 from lcmtools.gui.frames import FrameStore, Link
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
-from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.streams.base import PageStream, Update, Waiting
 from lcmtools.messages.registry import type_name
 from lcmtools.observe.channels.activity import SILENT_AFTER
 from lcmtools.observe.reading.senders import SenderNames
@@ -80,8 +79,7 @@ class FrameTree(PageStream):
 
     def __init__(self, source: Source) -> None:
         super().__init__(source)
-        self._lock = threading.Lock()
-        self._waiting = deque[Packet](maxlen=_MOST_WAITING)
+        self._waiting = Waiting(_MOST_WAITING)
         self._followed: set[str] = set()
         self._store = FrameStore()
         self._names = SenderNames()
@@ -93,9 +91,8 @@ class FrameTree(PageStream):
         for row in latest.rows:
             if type_name(TFMessage) in row.types and row.channel not in self._followed:
                 self._followed.add(row.channel)
-                self.until_closed(self.source.follow(row.channel, self._receive))
-        with self._lock:
-            packets, self._waiting = self._waiting, deque(maxlen=_MOST_WAITING)
+                self.until_closed(self.source.follow(row.channel, self._waiting.add))
+        packets, _ = self._waiting.pop()
         for packet in packets:
             self._add(packet)
         senders = {link.sender for links in self._store.links.values() for link in links.values()}
@@ -110,10 +107,6 @@ class FrameTree(PageStream):
         """Return which transform is ignored, or that there is none."""
         none = "" if self._followed else "no topic has transforms (tf2_msgs/TFMessage)"
         return self._mistake or none
-
-    def _receive(self, packet: Packet) -> None:
-        with self._lock:
-            self._waiting.append(packet)
 
     def _add(self, packet: Packet) -> None:
         try:

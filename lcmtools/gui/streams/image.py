@@ -2,7 +2,6 @@
 
 import math
 import struct
-import threading
 import time
 from typing import Annotated, cast
 
@@ -10,7 +9,7 @@ from lcmtools.errors import DecodeError
 from lcmtools.formats.typed import Within
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, absence
-from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.streams.base import PageStream, Update, Waiting
 from lcmtools.messages.pixels import (
     COLOR_MAPS,
     MOST_PIXELS,
@@ -51,24 +50,21 @@ class NewestImage(PageStream):
         rate: Annotated[float, Within(_LOWEST_RATE)] = 10.0,
     ) -> None:
         super().__init__(source)
-        self._lock = threading.Lock()
-        self._newest: Packet | None = None
-        self._count = 0
+        self._waiting = Waiting()
         self._not_before = 0.0
         self._mistake = ""
         self._pixels = pixels
         self._shortest = 1 / rate  # [s]
-        self.follow(topic, self._receive)
+        self.follow(topic, self._waiting.add)
 
     def update(self) -> Update | None:
         """Return the newest image, if it has not been returned yet."""
         if time.monotonic() < self._not_before:
             return None
-        with self._lock:
-            packet, self._newest = self._newest, None
-            count = self._count
-        if packet is None:
+        packets, count = self._waiting.pop()
+        if not packets:
             return None
+        (packet,) = packets
         try:
             found = self._read(packet)
         except DecodeError as error:
@@ -83,11 +79,6 @@ class NewestImage(PageStream):
     def problem(self) -> str:
         """Return why there is no image."""
         return self._mistake or absence(self.source, self._topic)
-
-    def _receive(self, packet: Packet) -> None:
-        with self._lock:
-            self._newest = packet
-            self._count += 1
 
     def _read(self, packet: Packet) -> Update:
         message = self.source.decode(packet)

@@ -1,12 +1,9 @@
 """The stream of the nodes' log lines."""
 
-import threading
-from collections import deque
-
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
-from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.streams.base import PageStream, Update, Waiting
 from lcmtools.wire.packet import Packet
 
 _TOPIC = "/rosout"
@@ -23,24 +20,14 @@ class LogLines(PageStream):
 
     def __init__(self, source: Source) -> None:
         super().__init__(source)
-        self._lock = threading.Lock()
-        self._waiting: deque[Packet] = deque(maxlen=_MOST)
-        self._left_out = 0
+        self._waiting, self._count = Waiting(_MOST), 0
         self._is_first = True
-        self.until_closed(source.follow(_TOPIC, self.receive))
-
-    def receive(self, packet: Packet) -> None:
-        """Queue a line."""
-        with self._lock:
-            self._left_out += len(self._waiting) == _MOST
-            self._waiting.append(packet)
+        self.until_closed(source.follow(_TOPIC, self._waiting.add))
 
     def update(self) -> Update | None:
         """Return the lines that have arrived."""
-        with self._lock:
-            packets, left_out = [*self._waiting], self._left_out
-            self._waiting.clear()
-            self._left_out = 0
+        packets, count = self._waiting.pop()
+        left_out, self._count = count - self._count - len(packets), count
         if not packets:
             return None
         lines = [line for packet in packets if (line := self._line(packet)) is not None]

@@ -1,16 +1,14 @@
 """A topic's latest message, or a service's answer, as lines that can be unfolded."""
 
-import threading
 import time
 from collections.abc import Sequence
 
 from lcmtools.errors import LcmtoolsError
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, publishers_of
-from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.streams.base import PageStream, Update, Waiting
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.observe.channels.field_lines import FieldLine, field_lines
-from lcmtools.wire.packet import Packet
 
 _SHARE = 0.1  # of a processor, at most, for messages that are slow to decode
 _HEAD_BYTES = 256  # shown of a message that cannot be decoded
@@ -24,27 +22,21 @@ class LatestMessage(PageStream):
 
     def __init__(self, source: Source, *, topic: str, toggled: tuple[str, ...] = ()) -> None:
         super().__init__(source)
-        self._lock = threading.Lock()
-        self._packet: Packet | None = None
+        self._waiting = Waiting()
         self._fault = ""
         self._next = 0.0
         self._toggled = toggled
-        self.follow(topic, self.receive)
-
-    def receive(self, packet: Packet) -> None:
-        """Keep the newest packet."""
-        with self._lock:
-            self._packet = packet
+        self.follow(topic, self._waiting.add)
 
     def update(self) -> Update | None:
         """Return the newest message as lines, or the beginning of its bytes."""
         start = time.monotonic()
         if start < self._next:
             return None
-        with self._lock:
-            packet, self._packet = self._packet, None
-        if packet is None:
+        packets, _ = self._waiting.pop()
+        if not packets:
             return None
+        (packet,) = packets
         about: dict[str, Json] = {"time": packet.time / 1e9, "size": packet.size, "type": ""}
         try:
             about |= _unfolded(self.source.decode(packet), self._toggled)

@@ -3,9 +3,7 @@
 Each has a ``topic``, except the first one. ``gui.drawings`` has the form of messages for a page.
 """
 
-import threading
 import time
-from collections import deque
 from typing import ClassVar
 
 from lcmtools.errors import DecodeError
@@ -20,7 +18,7 @@ from lcmtools.gui.drawings import (
 from lcmtools.gui.frames import FrameStore
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, absence, age_text
-from lcmtools.gui.streams.base import PageStream, Update
+from lcmtools.gui.streams.base import PageStream, Update, Waiting
 from lcmtools.gui.streams.topics import current_rows, newest_simulator
 from lcmtools.messages.registry import Message, type_name
 from lcmtools.observe.channels.feed import Snapshot
@@ -72,25 +70,18 @@ class _Messages(PageStream):
 
     def __init__(self, source: Source, *, topic: str) -> None:
         super().__init__(source)
-        self._waiting: deque[Packet] = deque(maxlen=self.most_waiting)
-        self._lock = threading.Lock()
+        self._waiting = Waiting(self.most_waiting)
         self._mistake = ""
         self._has_come = False
-        self.follow(topic, self._receive)
+        self.follow(topic, self._waiting.add)
 
     def problem(self) -> str:
         """Return why nothing has been drawn; a latched topic may be silent."""
         return self._mistake or ("" if self._has_come else absence(self.source, self._topic))
 
-    def _receive(self, packet: Packet) -> None:
-        with self._lock:
-            self._waiting.append(packet)
-
     def pop(self, *kinds: type[Message]) -> list[tuple[Packet, Message]]:
         """Remove and return the waiting messages that have one of these types."""
-        with self._lock:
-            packets = list(self._waiting)
-            self._waiting.clear()
+        packets, _ = self._waiting.pop()
         found: list[tuple[Packet, Message]] = []
         for packet in packets:
             try:

@@ -98,7 +98,6 @@ class ClassCheck:
         return [_Job(submission, *one) for one in programs.items() if one[0] in known]
 
     def _check(self, job: _Job, guard: ProcessGuard) -> Report:
-        """Check a program in its own process and folder."""
         words = [*own_command(), "lab", "check", self._lab.name, "--json"]
         words += [f"--{job.option}", job.command, *self._arguments]
         if self._plot:

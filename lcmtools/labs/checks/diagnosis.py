@@ -72,8 +72,9 @@ def cause_of(result: CheckResult, observed: Observations) -> Cause:
     is_silent = result.cause == SILENT
     found = raised(observed, frequent_only=not is_silent)
     found = misled(observed, result) or found or ignored(observed)
-    if not found and result.cause in (SILENT, SELDOM, STOPPED, ZERO):
-        found = busy(observed)
+    stops = result.cause in (SILENT, SELDOM, STOPPED, ZERO)
+    if not found and (stops or observed.program.publishes):
+        found = busy(observed, often=not stops)
     if not found and is_silent:
         found = disconnected(observed, result.hint)
     return found or given

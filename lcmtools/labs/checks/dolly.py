@@ -11,7 +11,7 @@ from itertools import pairwise
 from lcmtools.bag.log import Log
 from lcmtools.labs.checks.diagnosis import STOPPED, misplaced
 from lcmtools.labs.checks.measures import BAND, fit_radius, is_within
-from lcmtools.labs.checks.observations import Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.program_rows import early_end, first_command, nothing_within
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.test_bench import TestBench
@@ -44,35 +44,47 @@ _NOISE = 0.03  # [m]
 
 def check_mover(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a program that drives the Dolly in a circle."""
-    seen, times = bench.recorder, list[float]()
-    bench.node.create_subscription(Twist, VELOCITY, lambda _: times.append(time.monotonic()))
-    commands = seen.record(Twist, VELOCITY)
+    seen = bench.recorder
     seen.record_command(Twist)
     program = bench.start(command)
     first = first_command(bench, f"does it publish on {VELOCITY}?")
     if not first.is_ok:
         yield first
         return
-    bench.wait(lambda: len(times) >= SOME, SOME / _RATE * 2)
-    yield rate_row(times, time.monotonic())
-    yield velocity_row(commands[-1])
+    bench.wait(lambda: len(seen.commands) >= SOME, SOME / _RATE * 2)
+    yield from command_rows(seen.commands, time.monotonic())
     if program.code is not None:
         yield early_end("circle that it drives")
         return
     start, sample, touch = bench.time, len(seen.motion), len(seen.touches)
     longest = min(3 * ROUND, _LONGEST_DRIVE)
     bench.wait(lambda: bench.time - start > ROUND or program.code is not None, longest)
-    yield circle_row(seen.motion[sample:], seen.touches[touch:], commands[-1])
+    yield circle_row(seen.motion[sample:], seen.touches[touch:], seen.commands)
 
 
-def rate_row(times: Sequence[float], now: float) -> CheckResult:
-    """Return the row for the rate of commands, given their times until now [s]."""
+def command_rows(commands: Sequence[ReceivedMessage], now: float) -> Iterator[CheckResult]:
+    """Yield the rows for the rate and the velocity of commands until now [s]."""
+    times = [command.arrival for command in commands]
     gaps = [after - before for before, after in pairwise(times)]
     rate = 1 / statistics.fmean(gaps) if gaps else 0.0
     cause = rate_cause(len(times), rate, now - times[-1])
     wanted, measured = f"{_RATE:g} Hz within {BAND:.0%}", f"{rate:.2f} Hz"
     is_ok = is_within(rate, _RATE)
-    return CheckResult("rate of commands", wanted, measured, is_ok, cause.text, cause.key)
+    yield CheckResult("rate of commands", wanted, measured, is_ok, cause.text, cause.key)
+    twist = last_twist(commands)
+    forward, turn_rate = twist.linear.x, twist.angular.z
+    is_alike = math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE)
+    is_ok, cause = is_alike and not misplaced(twist), velocity_cause(twist)
+    wanted = f"{_FORWARD:g} m/s, {_TURN_RATE:g} rad/s"
+    measured = f"{forward:g} m/s, {turn_rate:g} rad/s"
+    yield CheckResult("velocity commanded", wanted, measured, is_ok, cause.text, cause.key)
+
+
+def last_twist(commands: Sequence[ReceivedMessage]) -> Twist:
+    """Return the last command."""
+    twist = commands[-1].message
+    assert isinstance(twist, Twist)
+    return twist
 
 
 def rate_cause(count: int, rate: float, silent: float) -> Cause:
@@ -85,16 +97,6 @@ def rate_cause(count: int, rate: float, silent: float) -> Cause:
         return Cause(STOPPED, f"{count} commands came, and then none for {silent:.1f} s: {timer}")
     word = "seldom" if rate < _RATE else "often"
     return Cause("rate", f"commands come too {word}, every {1 / rate:.2g} s: {timer}")
-
-
-def velocity_row(twist: Twist) -> CheckResult:
-    """Return the row for the velocity of a command."""
-    forward, turn_rate = twist.linear.x, twist.angular.z
-    is_alike = math.isclose(forward, _FORWARD) and math.isclose(turn_rate, _TURN_RATE)
-    is_ok, cause = is_alike and not misplaced(twist), velocity_cause(twist)
-    wanted = f"{_FORWARD:g} m/s, {_TURN_RATE:g} rad/s"
-    measured = f"{forward:g} m/s, {turn_rate:g} rad/s"
-    return CheckResult("velocity commanded", wanted, measured, is_ok, cause.text, cause.key)
 
 
 def velocity_cause(twist: Twist) -> Cause:
@@ -113,10 +115,12 @@ def velocity_cause(twist: Twist) -> Cause:
     return Cause("velocity", "set linear.x and angular.z; everything else stays 0")
 
 
-def circle_row(path: Sequence[TrueState], touches: Sequence[Touch], twist: Twist) -> CheckResult:
+def circle_row(
+    path: Sequence[TrueState], touches: Sequence[Touch], commands: Sequence[ReceivedMessage]
+) -> CheckResult:
     """Return the row for the circle that a robot has driven."""
     radius = fit_radius([(place.x, place.y) for place in path])
-    cause = circle_cause(radius, touches, twist)
+    cause = circle_cause(radius, touches, last_twist(commands))
     stuck = f", stuck on {touches[0]}" if touches else ""
     wanted = f"{_RADIUS:.3f} m within {BAND:.0%}"
     measured = f"{'none' if radius is None else f'{radius:.3f} m'}{stuck}"

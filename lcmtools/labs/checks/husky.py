@@ -13,7 +13,6 @@ from lcmtools.labs.checks.evaluation import (
     error_row,
     samples_row,
 )
-from lcmtools.labs.checks.observations import Desire, TrueState
 from lcmtools.labs.checks.program_rows import early_end, first, first_command
 from lcmtools.labs.checks.results import CheckResult
 from lcmtools.labs.checks.step_response import (
@@ -53,11 +52,11 @@ class _Robot:
     def __init__(self, bench: TestBench) -> None:
         self._bench = bench
         self._publisher = bench.node.create_publisher(Twist, f"{_ROBOT}/desired_velocity")
-        self._samples: list[TrueState] = []
+        self._samples = bench.recorder.odometry
         self._first_command, self._start = 0, 0.0
         self._desired = Twist()
         self._repeats = 0
-        bench.node.create_subscription(Odometry, f"{_ROBOT}/odometry", self._record_odometry, 1000)
+        bench.recorder.receive(f"{_ROBOT}/odometry", Odometry)
         bench.node.create_timer(_REPEAT, self._repeat)
 
     def desire(self, step: Step) -> None:
@@ -69,7 +68,7 @@ class _Robot:
         seen = self._bench.recorder
         self._first_command = len(seen.commands)
         self._start = seen.motion[-1].time if seen.motion else 0.0
-        seen.desired.append(Desire(seen.time, step.forward, step.turn_rate))
+        seen.desire(step.forward, step.turn_rate)
 
     def run(self, step: Step) -> StepRun:
         """Return the observations since the velocity was desired."""
@@ -120,9 +119,6 @@ class _Robot:
     def _settle(self, step: Step, is_settled: Callable[[], bool]) -> None:
         self.desire(step)
         self._bench.wait(lambda: self._samples and is_settled(), LONGEST / 2 / self._bench.rate)
-
-    def _record_odometry(self, odometry: Odometry) -> None:
-        self._samples.append(TrueState.by(odometry))
 
     def _repeat(self) -> None:
         """Publish it several times, and until the first command: the program may start later."""

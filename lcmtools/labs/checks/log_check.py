@@ -15,11 +15,10 @@ from lcmtools.labs.checks.check import Explanation
 from lcmtools.labs.checks.diagnosis import velocity_of
 from lcmtools.labs.checks.evaluation import Sample, Velocity, log_rows
 from lcmtools.labs.checks.observations import TrueState
-from lcmtools.labs.checks.recorded_run import PATH, RecordedRun, read_run
+from lcmtools.labs.checks.recorder import PATH, Recorder, read_log
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.labs.checks.step_response import REST, Step, StepRun, is_at_rest, judge
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
-from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Odometry
 
 _EVERY = 5  # samples, until a step is looked at again
@@ -40,7 +39,7 @@ class NotJudged:
 
 
 Rows = Iterator[CheckResult | NotJudged]
-Judge = Callable[[RecordedRun, LabProgram], Rows]
+Judge = Callable[[Recorder], Rows]
 
 
 def check_log(
@@ -53,14 +52,13 @@ def check_log(
     Raises:
         LcmtoolsError: The log has no topics of the lab.
     """
-    run = read_run(lab, log)
     reports, others = [], list[NotJudged]()
-    for program in lab.programs:
-        observed = run.observations(program)
+    for run in read_log(lab, log):
+        program, observed = run.program, run.observations()
         explanation = Explanation(lambda observed=observed: observed)  # type: ignore[misc]
         results = []
         judge = (judges or JUDGES).get(program.option, _nothing)
-        for row in judge(run, program):
+        for row in judge(run):
             if isinstance(row, NotJudged):
                 others.append(row)
             else:
@@ -73,11 +71,11 @@ def check_log(
     return reports, others
 
 
-def _controller(run: RecordedRun, program: LabProgram) -> Rows:
-    if not run.commands(program):
-        yield _no_message(program, *program.publishes)
+def _controller(run: Recorder) -> Rows:
+    if not run.commands:
+        yield _no_message(run, *run.program.publishes)
         return
-    runs = list(_steps(run, program))
+    runs = list(_steps(run))
     for step in husky.STEPS:
         found = [step_run for step_run in runs if step_run.step == step]
         whole = [step_run for step_run in found if step_run.is_over()]
@@ -86,19 +84,18 @@ def _controller(run: RecordedRun, program: LabProgram) -> Rows:
         elif found:
             longest = max(step_run.duration for step_run in found)
             reason = f"it was desired for only {longest:.1f} s"
-            yield NotJudged(program.option, step.title, reason)
+            yield NotJudged(run.program.option, step.title, reason)
         else:
             start = "at 1 m/s" if step == REST else "from rest"
             reason = f"it was never desired {start}"
-            yield NotJudged(program.option, step.title, reason)
+            yield NotJudged(run.program.option, step.title, reason)
 
 
-def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
+def _steps(run: Recorder) -> Iterator[StepRun]:
     """Yield the steps of the desired velocity that begin like the lab's steps."""
-    motion, commands = run.motion("odometry"), run.commands(program)
-    desired, pace = run.desired(), run.pace()
-    ends = [desire.time for desire in desired[1:]] + [math.inf]
-    for desire, end in zip(desired, ends, strict=False):  # none where nothing was desired
+    motion, commands = run.odometry, run.commands
+    ends = [desire.time for desire in run.desired[1:]] + [math.inf]
+    for desire, end in zip(run.desired, ends, strict=False):  # none where nothing was desired
         step = Step(desire.forward, desire.turn_rate)
         before = [state for state in motion if state.time <= desire.time][-1:]
         if not (before[0].forward > husky.FASTEST.forward / 2 if before and step == REST
@@ -109,24 +106,22 @@ def _steps(run: RecordedRun, program: LabProgram) -> Iterator[StepRun]:
         for size in [*range(_EVERY, len(states), _EVERY), len(states)]:
             seen = states[:size]
             since = [command for command in own if seen and command.time <= seen[-1].time]
-            found = StepRun(step, seen, since, (), pace)
+            found = StepRun(step, seen, since, (), run.rate)
             if found.is_over():
                 break
         yield found
 
 
-def _evaluator(run: RecordedRun, program: LabProgram) -> Rows:
-    samples = list(_samples(run, program.publishes[0]))
-    yield from log_rows(samples) if samples else [_no_message(program, *program.publishes)]
+def _evaluator(run: Recorder) -> Rows:
+    samples = list(_samples(run))
+    yield from log_rows(samples) if samples else [_no_message(run, *run.program.publishes)]
 
 
-def _samples(run: RecordedRun, topic: str) -> Iterator[Sample]:
+def _samples(run: Recorder) -> Iterator[Sample]:
     """Yield an evaluator's messages, with the last velocities that came before each."""
-    topics = (run.name("odometry"), run.name("desired_velocity"), topic)
-    every = (recorded for name in topics for recorded in run.topics.get(name, ()))
+    topics = run.name("odometry"), run.name("desired_velocity"), *run.program.publishes
     measured, desired = list[Velocity](), list[Velocity]()
-    for recorded in sorted(every, key=lambda recorded: recorded.arrival):
-        message = recorded.message
+    for message in (received.message for received in run.received if received.topic in topics):
         if isinstance(message, Odometry) and (velocity := velocity_of(message.twist.twist)):
             measured = [*measured, velocity][-_RECENT:]
         elif velocity := velocity_of(message):
@@ -135,14 +130,13 @@ def _samples(run: RecordedRun, topic: str) -> Iterator[Sample]:
             yield Sample(message, [(want, has) for want in desired for has in measured])
 
 
-def _path(run: RecordedRun, program: LabProgram) -> Rows:
-    points = run.path()
-    commands, motion = run.commands(program), run.motion("ground_truth", "odometry")
-    if not (points and commands and motion):
-        topics = {PATH: points, program.publishes[0]: commands, run.name("ground_truth"): motion}
-        yield _no_message(program, *(name for name, found in topics.items() if not found))
+def _path(run: Recorder) -> Rows:
+    program, commands, motion = run.program, run.commands, run.motion
+    topics = {PATH: run.path, program.publishes[0]: commands, run.name("ground_truth"): motion}
+    if not all(topics.values()):
+        yield _no_message(run, *(name for name, values in topics.items() if not values))
         return
-    drive = path.DrivenPath(points)
+    drive = path.DrivenPath(run.path)
     for state in motion:
         if state.time >= commands[0].time and not drive.is_over(state.time):
             drive.add(state)
@@ -155,28 +149,22 @@ def _path(run: RecordedRun, program: LabProgram) -> Rows:
     yield from others
 
 
-def _mover(run: RecordedRun, program: LabProgram) -> Rows:
-    found = run.topics.get(dolly.VELOCITY, [])
-    twists = [recorded.message for recorded in found if isinstance(recorded.message, Twist)]
-    if not twists:
-        yield _no_message(program, dolly.VELOCITY)
+def _mover(run: Recorder) -> Rows:
+    commands = run.commands
+    if not commands:
+        yield _no_message(run, *run.program.publishes)
         return
-    # a program that ended before the recording did is not silent
-    times = [recorded.arrival for recorded in found]
-    yield dolly.rate_row(times, run.end)
-    yield dolly.velocity_row(twists[-1])
-    first, last = found[0].time, found[-1].time
-    states = [
-        state for state in run.motion("ground_truth", "odometry") if first <= state.time <= last
-    ]
+    yield from dolly.command_rows(commands, run.end)
+    first, last = commands[0].time, commands[-1].time
+    states = [state for state in run.motion if first <= state.time <= last]
     circle = _last_part(states, dolly.ROUND)
     if circle:
-        yield dolly.circle_row(circle, (), twists[-1])
+        yield dolly.circle_row(circle, (), commands)
     else:
         reason = (
             f"a round takes {dolly.ROUND:.1f} s, but the log has only {last - first:.1f} s of it"
         )
-        yield NotJudged(program.option, "circle that it drives", reason)
+        yield NotJudged(run.program.option, "circle that it drives", reason)
 
 
 def _last_part(states: Sequence[TrueState], seconds: float) -> list[TrueState]:
@@ -186,13 +174,16 @@ def _last_part(states: Sequence[TrueState], seconds: float) -> list[TrueState]:
     return [state for state in states if state.time >= states[-1].time - seconds]
 
 
-def _nothing(_: RecordedRun, program: LabProgram) -> Rows:
-    yield NotJudged(program.option, "all of it", f"{_ELSEWHERE[program.option]} not in a log")
+def _nothing(run: Recorder) -> Rows:
+    option = run.program.option
+    yield NotJudged(option, "all of it", f"{_ELSEWHERE[option]} not in a log")
 
 
-def _no_message(program: LabProgram, *topics: str) -> NotJudged:
+def _no_message(run: Recorder, *topics: str) -> NotJudged:
     names = " or ".join(topics)
-    return NotJudged(program.option, "all of it", f"there are no messages on {names} in the log")
+    return NotJudged(
+        run.program.option, "all of it", f"there are no messages on {names} in the log"
+    )
 
 
 JUDGES: Mapping[str, Judge] = {

@@ -26,12 +26,13 @@ _LONGEST_LINE = 200
 
 
 @dataclass(frozen=True, slots=True)
-class CommandMessage:
-    """A message of the program on a topic that it must publish, with its simulated time [s]."""
+class ReceivedMessage:
+    """A message on the bus or in a log, with the simulated time and that of its arrival [s]."""
 
     time: float
     topic: str
     message: Message
+    arrival: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +130,7 @@ class Observations:
     """All observations of one program's run."""
 
     program: LabProgram  # which program of the lab it is
-    commands: Sequence[CommandMessage] = ()  # messages on the topics that it must publish
+    commands: Sequence[ReceivedMessage] = ()  # those on the topics that it must publish
     desired: Sequence[Desire] = ()  # the velocities that were desired of it
     motion: Sequence[TrueState] = ()  # the robot's true motion
     touches: Sequence[Touch] = ()  # the robot's contacts

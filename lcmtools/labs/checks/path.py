@@ -1,22 +1,22 @@
 """The check of the Pioneer lab's path: the robot's distance from it, and the part driven."""
 
 import math
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
 
 from lcmtools.labs.checks.diagnosis import SELDOM, STRAYS, velocity_of
 from lcmtools.labs.checks.measures import velocity_text
-from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.program_rows import STOPS, early_end, first_command, stop_at_end
+from lcmtools.labs.checks.recorder import LEAST_POSES, PATH
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.labs.checks.steering_formula import ANGLE, steering_cause
 from lcmtools.labs.checks.test_bench import TestBench
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.nav_msgs import Path
 
-_PATH = "/path"
-LEAST_POSES = 2  # of a path
 _FIRST = 10.0  # [s]
 _FARTHEST, _MEAN = 0.25, 0.10  # [m] from the path
 _LOST = 1.0  # [m]; farther away, the robot does not follow the path
@@ -98,28 +98,29 @@ class DrivenPath:
 
 def check_path(bench: TestBench, command: Sequence[str]) -> Iterator[CheckResult]:
     """Check a program that follows the path of the Pioneer's world."""
-    paths = bench.recorder.record(Path, _PATH)
-    bench.recorder.record_command(Twist)
+    seen = bench.recorder
+    paths = seen.record(Path, PATH)
+    seen.record_command(Twist)
     bench.wait(lambda: paths, _FIRST)
     if not paths or len(paths[0].poses) < LEAST_POSES:
         measured = f"poses of the one that came: {len(paths[0].poses)}" if paths else "none came"
         hint = "does the simulator still run?"
-        yield CheckResult("finds a path", _PATH, measured, is_ok=False, hint=hint)
+        yield CheckResult("finds a path", PATH, measured, is_ok=False, hint=hint)
         return
-    bench.path = [(pose.pose.position.x, pose.pose.position.y) for pose in paths[0].poses]
+    seen.take(PATH, paths[0], time.monotonic())
     program = bench.start(command)
     first = first_command(bench, "does it publish on /RosAria/cmd_vel?")
     yield first
     if not first.is_ok:
         return
-    drive = DrivenPath(bench.path)
+    drive = DrivenPath(seen.path)
     results = _driven(bench, drive)
     is_wrong = not all(result.is_ok for result in results)
     # a program that does not answer each pose may go by the real clock: that is to confirm it
     is_certain = results[0].cause != SELDOM
     if is_wrong and not is_certain and program.code is None and bench.has_slowed_down():
         bench.start_again()
-        program, drive = bench.start(command), DrivenPath(bench.path)
+        program, drive = bench.start(command), DrivenPath(seen.path)
         results = _driven(bench, drive)
     has_driven = program.code == 0 and drive.along > _PROGRESS
     if program.code is None or has_driven:
@@ -176,7 +177,7 @@ def _rest_row(bench: TestBench) -> CheckResult:
 
 
 def judge(
-    drive: DrivenPath, touches: Sequence[Touch], commands: Sequence[CommandMessage] = ()
+    drive: DrivenPath, touches: Sequence[Touch], commands: Sequence[ReceivedMessage] = ()
 ) -> Iterator[CheckResult]:
     """Judge a drive: the length, the greatest and the mean distance."""
     wanted = f"{_MOST:.0%} of {drive.length:.1f} m"
@@ -205,7 +206,7 @@ def judge(
 
 
 def drive_cause(
-    drive: DrivenPath, touches: Sequence[Touch], commands: Sequence[CommandMessage] = ()
+    drive: DrivenPath, touches: Sequence[Touch], commands: Sequence[ReceivedMessage] = ()
 ) -> Cause:
     """Return the cause of leaving the path, from the robot's motion."""
     last, offset = drive.offsets[-1]
@@ -231,7 +232,7 @@ def drive_cause(
     )
 
 
-def _velocity_cause(drive: DrivenPath, commands: Sequence[CommandMessage]) -> Cause | None:
+def _velocity_cause(drive: DrivenPath, commands: Sequence[ReceivedMessage]) -> Cause | None:
     """Return the cause that the robot's velocities show."""
     first, (_, offset) = drive.offsets[0][0], drive.offsets[-1]
     if max(math.dist((s.x, s.y), (first.x, first.y)) for s, _ in drive.offsets) < _AHEAD / 10:

@@ -29,7 +29,7 @@ from lcmtools.labs.checks.diagnosis import velocity_of
 from lcmtools.labs.checks.dolly import last_scan, printed_rows
 from lcmtools.labs.checks.log_check import JUDGES, NotJudged, Rows, can_play, check_log
 from lcmtools.labs.checks.observations import last_failure
-from lcmtools.labs.checks.recorded_run import RecordedRun, known_topics
+from lcmtools.labs.checks.recorder import Recorder, known_topics
 from lcmtools.labs.checks.results import CheckResult, Report
 from lcmtools.labs.checks.steering_formula import steering_cause
 from lcmtools.messages.registry import Message
@@ -135,17 +135,18 @@ def _parts(message: Message) -> tuple[float, float] | None:
 def _controller(
     commands: Sequence[_Command],
     pairs: Sequence[tuple[_Command, _Command]],
-    run: RecordedRun,
-    program: LabProgram,
+    run: Recorder,
 ) -> Rows:
     desired = [(0.0, 0.0, 0.0)]
-    for recorded in run.topics.get(run.name("desired_velocity"), ()):
-        if (velocity := velocity_of(recorded.message)) and velocity != desired[-1][1:]:
-            desired.append((recorded.arrival, *velocity))
+    for received in run.received:
+        if received.topic == run.name("desired_velocity"):
+            velocity = velocity_of(received.message)
+            if velocity and velocity != desired[-1][1:]:
+                desired.append((received.arrival, *velocity))
     for axis, name in enumerate(("speed", "turn rate")):
         what, reason = f"answers a new desired {name}", "it is always the same in the log"
         row = _desired_row(desired, commands, axis, what)
-        yield row or NotJudged(program.option, what, reason)
+        yield row or NotJudged(run.program.option, what, reason)
         if any(one.is_free and two.is_free for one, two in pairs):
             yield _measured_row(pairs, axis, name)
 
@@ -188,11 +189,10 @@ def _measured_row(pairs: Sequence[tuple[_Command, _Command]], axis: int, name: s
     return CheckResult(f"at a higher measured {name}", "less effort", measured, is_ok, hint)
 
 
-def _path(run: RecordedRun, program: LabProgram) -> Rows:
-    points, states = run.path(), run.motion("ground_truth", "odometry")
-    commands = run.commands(program)
+def _path(run: Recorder) -> Rows:
+    points, states, commands, program = run.path, run.motion, run.commands, run.program.option
     if not (points and states and commands):
-        yield NotJudged(program.option, "its turns", "the log needs a path and the robot's poses")
+        yield NotJudged(program, "its turns", "the log needs a path and the robot's poses")
         return
     share = f"{path.EACH:.0%} of {len(states)}"
     is_enough = len(commands) >= path.EACH * len(states)
@@ -208,7 +208,7 @@ def _path(run: RecordedRun, program: LabProgram) -> Rows:
     cause = steering_cause(points, states, commands)
     what = "turns to the side of the path"
     if not sides:
-        yield NotJudged(program.option, what, "the recorded robot does not turn")
+        yield NotJudged(program, what, "the recorded robot does not turn")
         return
     hint = cause.text if cause else "wrong sign of turn: left is angular.z above 0"
     measured = f"{sum(sides)} of {len(sides)}"

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache, partial
 
 from lcmtools.labs.checks.diagnosis import velocity_of
-from lcmtools.labs.checks.observations import CommandMessage, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, TrueState
 from lcmtools.labs.checks.results import Cause
 
 ANGLE = "angle"  # the key of the cause
@@ -72,7 +72,7 @@ _EXCHANGED = "points whose x and y are exchanged: a point is at (position.x, pos
 
 
 def steering_cause(
-    points: Sequence[Point], states: Sequence[TrueState], commands: Sequence[CommandMessage]
+    points: Sequence[Point], states: Sequence[TrueState], commands: Sequence[ReceivedMessage]
 ) -> Cause | None:
     """Return the mistake in the steering angle; None if it is unclear."""
     moments = list(_moments(states, commands))
@@ -113,7 +113,7 @@ def _clear_mistake(
 
 
 def _moments(
-    states: Sequence[TrueState], commands: Sequence[CommandMessage]
+    states: Sequence[TrueState], commands: Sequence[ReceivedMessage]
 ) -> Iterator[tuple[int, float]]:
     """Yield turn rates of some commands [rad/s], each with the index of the state at that time."""
     times = [state.time for state in states]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from lcmtools.labs.checks.diagnosis import STOPPED, UNMOVED
 from lcmtools.labs.checks.measures import BAND, Response, analyse, is_within
-from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
@@ -71,7 +71,7 @@ class StepRun:
 
     step: Step
     motion: Sequence[TrueState]
-    commands: Sequence[CommandMessage]
+    commands: Sequence[ReceivedMessage]
     touches: Sequence[Touch] = ()
     pace: float = 1.0
 
@@ -171,8 +171,9 @@ def command_cause(run: StepRun) -> Cause | None:
     if run.step.turn_rate and abs(fastest) > _RUN_AWAY:
         text = f"wrong sign of speed (it drives at {fastest:+.2f} m/s, and should not)"
         return Cause("speed-sign", text)
-    if run.touches:
-        return Cause("stuck", f"the robot is stuck on {run.touches[0]}")
+    if run.touches:  # it may have gone there because it drives the wrong way
+        stuck = Cause("stuck", f"the robot is stuck on {run.touches[0]}")
+        return (run.step.target and _sign_cause(run, run.response())) or stuck
     return _effort_cause([m.message for m in run.commands if isinstance(m.message, JointState)])
 
 
@@ -255,7 +256,7 @@ def _unmoved_cause(run: StepRun) -> Cause:
     return Cause(f"{UNMOVED}{field}", f"it does not move: does it use {field}?")
 
 
-def _efforts(command: CommandMessage) -> Sequence[float]:
+def _efforts(command: ReceivedMessage) -> Sequence[float]:
     """Return the efforts or speeds of the two sides, in the command's unit."""
     message = command.message
     if isinstance(message, JointState):

@@ -10,6 +10,7 @@ import socket
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,6 @@ class TestBench:
     """
 
     node: Node  # the observer, which also commands the robot
-    recorder: Recorder  # records what happens on the bus, while ``wait`` runs
     folder: Path  # for files of the check; it goes away with the bench
     program: CheckedProgram | None = None  # the program under check, once it is started
 
@@ -60,10 +60,8 @@ class TestBench:
     ) -> None:
         self.lab = lab
         self.world: dict[str, Any] = {}  # the world file's content
-        # The path that the robot is to follow [m], set by its check.
-        self.path: Sequence[tuple[float, float]] = ()
-        self._lab_program = program
         self._first_rate = rate or program.rate
+        self.recorder = Recorder(lab, program, self._first_rate)
         self._has_fixed_rate = rate is not None
         self._deadline = time.monotonic() + time_limit
         self._bus_look: BusLook | None = None
@@ -124,21 +122,15 @@ class TestBench:
 
     def observe(self) -> Observations:
         """Return the observations so far; the bus is observed once while the program runs."""
-        program, recorder = self.running(), self.recorder
+        program = self.running()
         if self._bus_look is None and program.code is None:
             self._bus_look = look_at_bus(self._url, program.pid)
             lcmtools.spin_once(self.node)  # what came meanwhile, with the time
-        return Observations(
-            self._lab_program,
-            recorder.commands,
-            recorder.desired,
-            recorder.motion,
-            recorder.touches,
-            recorder.warnings,
-            program.printed(),
-            None if program.was_interrupted else program.code,
-            self._bus_look,
-            self.path,
+        return replace(
+            self.recorder.observations(),
+            printed=program.printed(),
+            code=None if program.was_interrupted else program.code,
+            look=self._bus_look,
         )
 
     def wait(self, condition: Callable[[], object], timeout: float) -> bool:
@@ -224,7 +216,7 @@ class TestBench:
         self._set_pose = self.node.create_client(SetPose, f"{self.lab.simulator}/set_pose")
         self._reset = self.node.create_client(Trigger, f"{self.lab.simulator}/reset")
         self._set_rate = self.node.create_client(SetRate, f"{self.lab.simulator}/set_rate")
-        self.recorder = Recorder(self.node, self.lab, self._lab_program, self._first_rate)
+        self.recorder.listen(self.node)
         world = ("--world", self._world_file(), "--rate", f"{self._first_rate:g}")
         words = ("lcmtools", "run", "lcmtools", "sim", *world)
         simulator = self._owned.enter_context(self._start(words))

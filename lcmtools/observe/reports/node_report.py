@@ -23,7 +23,7 @@ from lcmtools.observe.reports.describe import (
     seen_kinds,
 )
 from lcmtools.observe.reports.node_list_report import up_time
-from lcmtools.observe.reports.process_rows import percent, usage_rows
+from lcmtools.observe.reports.program_report import percent, usage_rows
 from lcmtools.text_table import plural
 
 _TITLES = {
@@ -95,7 +95,7 @@ def _process(node: Node, now: int) -> list[str]:
     if node.stale:
         rows.append(f"Stale: {node.stale}")
     else:
-        rows += usage_rows(node.pid, now) if is_here(node) else []
+        rows += usage_rows(Process(node.pid), now) if is_here(node) else []
         seconds = up_time(node, now)
         rows.append(f"Up for: {seconds:.0f} s")
         share = f"{percent(node.busy / 1e9, seconds)} of that time"

@@ -1,12 +1,15 @@
 """A program that is not a node, as lines of text and as values for JSON."""
 
 import socket
+import time
 
+from lcmtools.bus.processes import Process
 from lcmtools.bus.sockets import SocketTable
+from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Traffic
+from lcmtools.graph.model import Graph, Traffic
 from lcmtools.observe.node_requests import program_place
-from lcmtools.observe.reading.senders import Program
+from lcmtools.observe.reading.senders import Program, listening_programs, user_name
 from lcmtools.observe.reports.describe import (
     Kinds,
     candidates_text,
@@ -14,7 +17,6 @@ from lcmtools.observe.reports.describe import (
     seen_kinds,
     types_record,
 )
-from lcmtools.observe.reports.process_rows import usage_rows
 from lcmtools.text_table import plural
 
 
@@ -28,6 +30,11 @@ def listed_rows(program: Program) -> list[str]:
         parts.append(f"listens ({plural(lost, 'datagram')} dropped so far)" if lost else "listens")
     text = f"{program_place(program)} \t{command_text(program)}{user}{bus}"
     return [text, f"\t{', '.join(parts)}"]
+
+
+def listeners_text(graph: Graph, url: BusUrl) -> str:
+    """Return the programs that are no nodes and receive from a bus; "" for none that is seen."""
+    return ", ".join(map(program_text, listening_programs(graph, url) or ()))
 
 
 def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
@@ -45,7 +52,7 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
         found += [
             f"Pid: {process.pid}",
             f"Command: {process.command}",
-            *usage_rows(process.pid, now),
+            *usage_rows(process, now),
         ]
     sizes = SocketTable.read().buffers if program.sockets else {}
     found += [
@@ -112,3 +119,23 @@ def _kinds(seen: Traffic) -> Kinds:
 
 def _kilobytes(size: int | None) -> str:
     return "an unknown size" if size is None else f"{size / 1e3:.0f} kB"
+
+
+def usage_rows(process: Process, now: int) -> list[str]:
+    """Return the resources that a process of this computer uses; none if the system hides them."""
+    taken = process.usage()
+    if taken is None:
+        return []
+    started = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(taken.start_time / 1e9))
+    share = percent(taken.processor_time, (now - taken.start_time) / 1e9)
+    return [
+        f"User: {user_name(taken.uid)}",
+        f"Started: {started}",
+        f"Memory: {taken.memory_bytes / 1e6:.1f} MB",
+        f"Processor: {share} of a core since it started",
+    ]
+
+
+def percent(spent: float, seconds: float) -> str:
+    """Return a share of some time as text."""
+    return f"{100 * spent / max(1e-9, seconds):.1f} %"

@@ -15,6 +15,7 @@ class TopicList(NamedTuple):
     verbose: bool  # in sections, as in rostopic
     types: bool  # show each topic's type
     rates: Mapping[str, float] | None  # [Hz] by topic; None if not shown
+    listeners: str = ""  # programs that may subscribe to any topic
 
     def has(self, topic: Topic) -> bool:
         """Return whether a topic is listed."""
@@ -61,7 +62,9 @@ class TopicList(NamedTuple):
         rows = [""]
         for is_shown, title, counts, noun in sections:
             if is_shown:
-                rows += [title, *(self._row(t, n, noun) for t, n in counts.items() if n), ""]
+                rows += [title, *(self._row(t, n, noun) for t, n in counts.items() if n)]
+                unseen = self.listeners if noun == "subscriber" else ""
+                rows += [f" * not known: {unseen}"] * bool(unseen) + [""]
         return rows
 
     def _row(self, topic: Topic, count: int, noun: str) -> str:

@@ -11,8 +11,7 @@ from typing import Annotated
 from lcmtools.formats.typed import Item, Within, load, read
 from lcmtools.names import check_base_name
 from lcmtools_sim.scene import Ground, Scene
-from lcmtools_sim.world_file.objects import read_objects
-from lcmtools_sim.world_file.paths import read_paths
+from lcmtools_sim.world_file.objects import read_objects, read_paths
 from lcmtools_sim.world_file.robots import read_robots
 from lcmtools_sim.world_file.sdf import read_sdf
 from lcmtools_sim.world_file.values import checked_name

@@ -79,7 +79,8 @@ def test_cut_off_anywhere_it_is_read_as_far_as_it_goes(name, tmp_path):
     path = tmp_path / "a.mcap"
     _write(path, **_OPTIONS[name])
     whole, before = path.read_bytes(), 0
-    for size in range(8, len(whole) - 37):  # before the footer
+    start = 8 + [*_OPTIONS].index(name) % 4
+    for size in range(start, len(whole) - 37, 4):  # before the footer
         path.write_bytes(whole[:size])
         damage = []
         count = len(list(bag_messages(path, damage.append)))

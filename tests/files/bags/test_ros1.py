@@ -6,7 +6,7 @@ from fixtures.says import assert_says
 from rosbags.rosbag1 import Writer
 from rosbags.rosbag1.reader import Reader
 
-from lcmtools.bag import ros1_records
+from lcmtools.bag import ros_reading
 from lcmtools.bag.ros_import import RosImport
 from lcmtools.bag.ros_reading import bag_messages
 
@@ -138,13 +138,13 @@ def test_a_time_in_a_type_of_its_own_is_the_time(tmp_path, cli):
 
 def test_chunks_whose_times_alternate_are_unpacked_once(tmp_path, monkeypatch):
     path, unpacked = tmp_path / "a.bag", []
-    whole = ros1_records.decompressed_chunk
+    whole = ros_reading.decompressed_chunk
 
     def count(kind, data):
         unpacked.append(kind)
         return whole(kind, data)
 
-    monkeypatch.setattr(ros1_records, "decompressed_chunk", count)
+    monkeypatch.setattr(ros_reading, "decompressed_chunk", count)
     _write(path, numbers=(0, 1, 3, 2, 4), threshold=70)
     assert [one.message.data for one in RosImport().read(path)] == [0, 1, 2, 3, 4]
     assert len(unpacked) == _chunks(path) == 3

@@ -120,6 +120,10 @@ def test_a_log_in_a_payload_stays_one_message():
         "delay -b {log} /stamped",
         "plot -b {log} /a/sec -o {log}.png",
         "bag plot {log} /a/sec",
+        "bag sort {log} {log}.made",
+        "bag merge {log} {log} -o {log}.made",
+        "bag cut {log} {log}.made",
+        "bag diff {log} {log}",
     ],
 )
 def test_a_command_that_reads_a_whole_log_tells_of_damage(cli, tmp_path, command, lost):

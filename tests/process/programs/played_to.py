@@ -10,7 +10,7 @@ import lcmtools
 from lcmtools import Node
 from lcmtools.types.std_msgs import Float64, Header
 
-_WRONG = ("drop_at", "late_at", "raise_at", "hang_at", "exit_at", "subscribe_at")
+_WRONG = ("drop_at", "late_at", "raise_at", "hang_at", "exit_at", "subscribe_at", "thread_at")
 
 
 class Doubler(Node):
@@ -32,6 +32,7 @@ class Doubler(Node):
     def _double(self, message):
         self._count += 1
         is_now = {name: self._count == at.value for name, at in self._at.items()}
+        self._go_on(is_now)
         if is_now["raise_at"]:
             raise ValueError("too large")
         if is_now["hang_at"]:
@@ -41,15 +42,19 @@ class Doubler(Node):
             sys.stdout.write("the end is near\n")
             sys.stdout.flush()
             os._exit(3)
-        if is_now["subscribe_at"]:
-            self._echo = self.create_publisher(Float64, "echo")
-            self.create_subscription(Float64, "out", self._echo.publish)
         if is_now["late_at"]:
             self._kept.append(message.data)
         elif not is_now["drop_at"]:
             for data in (*self._kept, message.data):
                 self._out.publish(Float64(data=data * self._gain.value))
             self._kept.clear()
+
+    def _go_on(self, is_now):
+        if is_now["thread_at"]:
+            threading.Thread(target=chatter, args=[self], daemon=True).start()
+        if is_now["subscribe_at"]:
+            self._echo = self.create_publisher(Float64, "echo")
+            self.create_subscription(Float64, "out", self._echo.publish)
 
     def _tick(self):
         header = Header()

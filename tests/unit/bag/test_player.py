@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from lcmtools.bag.player import Player
-from lcmtools.bag.player_keys import press
+from lcmtools.bag.player import Player, press
 from lcmtools.bag.playlist import Played
 from lcmtools.terminal import DOWN, ESCAPE, LEFT, RIGHT, UP
 

@@ -1,13 +1,12 @@
 """Bags of ROS and MCAP files: written, and read again."""
 
 import pytest
-from fixtures.says import assert_says, raises_saying
-from mcap.writer import CompressionType, Writer
+from fixtures.says import raises_saying
+from mcap.writer import Writer
 
-from lcmtools.bag.mcap_reading import MAGIC
 from lcmtools.bag.ros_bags import McapFile, RosBag
 from lcmtools.bag.ros_import import RosImport
-from lcmtools.errors import DecodeError, InvalidFile, LcmtoolsError
+from lcmtools.errors import DecodeError, LcmtoolsError
 from lcmtools.messages.codec import encode
 from lcmtools.messages.plain import to_plain
 from lcmtools.messages.registry import message_class
@@ -16,7 +15,6 @@ from lcmtools.packages import provide_user_types
 from lcmtools.types.air_lab0 import ControllerEvaluationStat
 from lcmtools.types.nav_msgs import Odometry
 from lcmtools.types.sensor_msgs import LaserScan
-from lcmtools.types.std_msgs import String
 from lcmtools.wire.packet import Packet
 
 _TIME = 1_700_000_000_123_456_789
@@ -92,44 +90,6 @@ def test_types_that_are_not_known_are_translated(tmp_path):
     assert sorted(reading.types) == ["mine_msgs/Point2", "mine_msgs/Polyline"]
 
 
-def test_messages_in_other_encodings_are_counted(tmp_path):
-    path = tmp_path / "json.mcap"
-    with path.open("wb") as file:
-        writer = Writer(file)
-        writer.start()
-        number = writer.register_schema("x", "jsonschema", b"{}")
-        channel = writer.register_channel("/x", "json", number)
-        for time in range(3):
-            writer.add_message(channel, log_time=time, data=b"{}", publish_time=time)
-        writer.finish()
-    reading = RosImport()
-    with raises_saying(InvalidFile, "nothing is imported", "/x", "json"):
-        list(reading.read(path))
-    ((reason, count),) = reading.report.left_out.items()
-    assert_says(reason, "/x", "json")
-    assert count == 3
-
-
-def test_a_damaged_file_is_one_line(tmp_path):
-    path = tmp_path / "a.bag"
-    _written(_TARGETS["a.bag"], path, [String()] * 200)
-    path.write_bytes(path.read_bytes()[:4150])  # its index and all messages
-    with raises_saying(LcmtoolsError, "a.bag", "damaged"):
-        list(RosImport().read(path))
-
-
-@pytest.mark.parametrize("name", ["a.mcap", "ros1.mcap"])
-def test_a_damaged_chunk_is_one_line(name, tmp_path):
-    path = tmp_path / name
-    _written(_TARGETS[name], path, _messages())
-    written = path.read_bytes()
-    magic = b"\x28\xb5\x2f\xfd" if name == "a.mcap" else b"\x04\x22\x4d\x18"
-    place = written.index(magic) + 4
-    path.write_bytes(written[:place] + b"\xff" * 20 + written[place + 20 :])
-    with raises_saying(LcmtoolsError, str(name), "damaged"):
-        list(RosImport().read(path))
-
-
 def test_what_is_no_bag_is_said_to_be_none(tmp_path):
     (tmp_path / "a.png").write_bytes(b"\x89PNG....")
     (tmp_path / "a.db3").write_bytes(b"SQLite format 3\0")
@@ -139,30 +99,6 @@ def test_what_is_no_bag_is_said_to_be_none(tmp_path):
         list(RosImport().read(tmp_path / "a.db3"))
     with raises_saying(LcmtoolsError, "cannot read", "gone.bag: No such file"):
         list(RosImport().read(tmp_path / "gone.bag"))
-
-
-def test_a_file_that_is_cut_off_anywhere_says_so(tmp_path):
-    path = tmp_path / "a.mcap"
-    with path.open("wb") as file:
-        writer = Writer(file, chunk_size=200, compression=CompressionType.NONE)
-        writer.start()
-        schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data\n")
-        channel = writer.register_channel("/a", "cdr", schema)
-        for time in range(30):
-            data = b"\0\1\0\0\4\0\0\0abc\0"
-            writer.add_message(channel, log_time=time, data=data, publish_time=time)
-        writer.finish()
-    content, at, ends = path.read_bytes(), len(MAGIC), list[int]()
-    while at < len(content) - len(MAGIC):
-        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
-        ends.append(at)
-    assert len(ends) > 10
-    for end in ends[2:]:  # from the first whole chunk on
-        path.write_bytes(content[:end])
-        reading = RosImport()
-        assert list(reading.read(path))
-        assert reading.report.losses() == [f"{path}: it is cut off at byte {end}"]
-        assert not reading.report.is_complete
 
 
 @pytest.mark.parametrize("file", ["Wheel.msg", "Wheel.lcm"])

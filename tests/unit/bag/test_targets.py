@@ -40,6 +40,8 @@ _COMMANDS = {
     "graph": "graph -b in.lcmlog --format dot -o {}",
     "evidence": "wtf -b in.lcmlog --save {}",
 }
+_WAYS = ("csv", "mcap", "sort", "graph", "evidence")
+"""One command of each way of writing."""
 _SAVING = ("evidence",)  # which replaces its own file without being asked
 
 
@@ -87,7 +89,7 @@ def test_a_pipe_gets_the_content_and_stays(name, pipe):
     assert not list(Path().glob("*pipe.index"))
 
 
-@pytest.mark.parametrize("name", _COMMANDS)
+@pytest.mark.parametrize("name", _WAYS)
 def test_a_device_is_not_replaced(name):
     Path("device").symlink_to("/dev/null")
     assert main(_words(name, "device")) == 0
@@ -95,7 +97,7 @@ def test_a_device_is_not_replaced(name):
     assert Path("/dev/null").is_char_device()
 
 
-@pytest.mark.parametrize("name", _COMMANDS)
+@pytest.mark.parametrize("name", _WAYS)
 def test_a_link_stays_and_the_file_that_it_leads_to_is_replaced(name):
     Path("below").mkdir()
     target = Path("below/target.csv")
@@ -114,7 +116,7 @@ def test_a_link_stays_and_the_file_that_it_leads_to_is_replaced(name):
             assert log.index.blocks
 
 
-@pytest.mark.parametrize("name", _COMMANDS)
+@pytest.mark.parametrize("name", _WAYS)
 def test_a_socket_is_refused_without_advising_force(name, capsys):
     with socket.socket(socket.AF_UNIX) as end:
         end.bind("socket")
@@ -123,8 +125,9 @@ def test_a_socket_is_refused_without_advising_force(name, capsys):
         assert Path("socket").is_socket()
 
 
-@pytest.mark.parametrize("name", [*_COMMANDS])
-@pytest.mark.parametrize("target", ["-", "/dev/stdout"])
+@pytest.mark.parametrize(
+    ("name", "target"), [*((name, "-") for name in _COMMANDS), ("sort", "/dev/stdout")]
+)
 def test_standard_output_gets_the_content_alone(name, target, capfdbinary):
     assert main(_words(name, target)) == 0
     out = capfdbinary.readouterr().out

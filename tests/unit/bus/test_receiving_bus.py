@@ -9,6 +9,7 @@ import pytest
 from fixtures.says import raises_saying
 
 from lcmtools.bus import receive_right
+from lcmtools.bus.receive_right import ReceiveRight
 from lcmtools.bus.receiving_bus import ReceivingBus
 from lcmtools.bus.url import parse_url
 from lcmtools.bus.wakeup import WakeupEvent
@@ -268,3 +269,32 @@ def test_a_leader_that_has_just_gone_is_waited_for_though_an_earlier_turn_wakes(
     right.follow(has_work)
     right.close()
     assert looks == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("is_pressing", "found_away", "naps"),
+    [
+        (False, [False] * 6, [1, 2, 4, 8, 8, 8]),  # short callbacks
+        (False, [False, False, True, False, False], [1, 2, 4, 1, 2]),  # once in a long one
+        (True, [False] * 4, [1, 1, 1, 1]),  # large messages
+    ],
+)
+def test_looks_for_a_leader_that_comes_and_goes_are_seldom_if_callbacks_and_messages_are_short(
+    monkeypatch, is_pressing, found_away, naps
+):
+    monkeypatch.setattr(receive_right, "_PATIENCE", 1)
+    right, asleep = ReceiveRight(is_lendable=True), []
+
+    class Alarm:
+        def acquire(self, timeout):
+            asleep.append(timeout)
+            right.turns += 1
+            right.is_away = found_away[len(asleep) - 1]
+            right.is_closed = len(asleep) == len(found_away)
+            return False
+
+    right.is_away, right.turns, right.is_pressing = False, 1, is_pressing
+    right._alarm = Alarm()
+    right.follow(lambda: False)
+    assert asleep == naps
+    right.wakeup.close()

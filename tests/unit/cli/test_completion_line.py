@@ -2,8 +2,8 @@
 
 import pytest
 
+from lcmtools.cli.completion.answer import scan, unquoted
 from lcmtools.cli.completion.line import locate
-from lcmtools.cli.completion.shells import scan, unquoted
 from lcmtools.cli.completion.tree import Argument, Command, Option
 
 BREAKS = "><=;|&(:"

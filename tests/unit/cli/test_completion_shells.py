@@ -5,8 +5,7 @@ import subprocess
 
 import pytest
 
-from lcmtools.cli.completion.answer import shown
-from lcmtools.cli.completion.shells import SHELLS, Request
+from lcmtools.cli.completion.answer import SHELLS, Request, shown
 from lcmtools.cli.completion.situation import FILES, Candidate
 
 BREAKS = " \t\n\"'><=;|&(:"

@@ -73,7 +73,7 @@ def test_nodes_are_bounded_where_only_heads_are_followed():
 def test_large_announcements_are_bounded_by_bytes():
     graph = GraphBuilder()
     topics = tuple(Endpoint(f"/t{number}", Role.PUBLISHER) for number in range(2000))
-    for node in _nodes(100):
+    for node in _nodes(40):
         graph.add(_said(node._replace(endpoints=topics)))
     assert 5 < len(graph.snapshot(2).nodes) < 30
 

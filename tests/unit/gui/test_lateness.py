@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.gui.lateness import LATEST_DRIVE, Lateness
+from lcmtools.gui.dead_man import LATEST_DRIVE, Lateness
 
 _AHEAD = 1000.0  # [s] of the server's clock
 

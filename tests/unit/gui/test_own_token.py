@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from lcmtools.gui.own_token import own_token
+from lcmtools.gui.browser import own_token
 
 
 def _token(home, right="command"):

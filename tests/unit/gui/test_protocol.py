@@ -8,6 +8,7 @@ from typing import Annotated
 import pytest
 
 from lcmtools.formats.typed import Within
+from lcmtools.gui.page import ACTIONS, ASKS, answer
 from lcmtools.gui.protocol import (
     Json,
     MalformedRequest,
@@ -16,7 +17,6 @@ from lcmtools.gui.protocol import (
     read_request,
     text_frame,
 )
-from lcmtools.gui.requests import ACTIONS, ASKS, answer
 from lcmtools.gui.streams import STREAMS, stream_class
 from lcmtools.gui.streams.base import PageStream
 

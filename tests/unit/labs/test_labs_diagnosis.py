@@ -8,9 +8,9 @@ from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks.diagnosis import DIED, SELDOM, SILENT, STOPPED, ZERO, busy, cause_of
 from lcmtools.labs.checks.observations import (
     BusLook,
-    CommandMessage,
     Failure,
     Observations,
+    ReceivedMessage,
     Wire,
     last_failure,
     last_words,
@@ -282,13 +282,13 @@ def test_a_wrong_input_explains_the_exception_and_the_picture_that_come_of_it(
 def test_an_exception_now_and_then_is_not_why_the_robot_is_too_slow(callback, count, key):
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause="slow")
     failure = Failure("KeyError", "'a'", "c.py:3", count, callback)
-    commands = [CommandMessage(0.0, OUTPUT.topic, JointState(effort=[1.0, 1.0]))] * 100
+    commands = [ReceivedMessage(0.0, OUTPUT.topic, JointState(effort=[1.0, 1.0]))] * 100
     look = replace(WELL, failures=[failure])
     assert cause_of(row, Observations(CONTROLLER, commands, look=look)).key == key
 
 
-@pytest.mark.parametrize("key", [SELDOM, STOPPED, ZERO])
-def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_as_before(key):
+@pytest.mark.parametrize("key", [SELDOM, STOPPED, ZERO, "measured"])
+def test_a_callback_that_waits_is_why_commands_come_too_seldom_or_late(key):
     row = CheckResult("drive at 0.1 m/s", "0.1 m/s", "0.05 m/s", is_ok=False, cause=key)
     slow = replace(INPUTS[0], calls=10, longest=0.5, busy=5.0)
     look = replace(WELL, subscriptions=[slow])

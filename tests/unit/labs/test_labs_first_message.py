@@ -9,7 +9,6 @@ from lcmtools.labs.catalogue import LABS
 from lcmtools.labs.checks import test_bench
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
 from lcmtools.labs.checks.program_rows import first
-from lcmtools.labs.checks.recorder import Recorder
 from lcmtools.labs.checks.results import CheckResult
 
 ROW = CheckResult("commands the robot", "messages", "they come", is_ok=True)
@@ -27,12 +26,6 @@ class Bench(test_bench.TestBench):
         self.waits = list[float]()
         program = SimpleNamespace(code=None, pid=1, printed=str, was_interrupted=False)
         self.program = program
-        self.recorder = Recorder(
-            SimpleNamespace(create_subscription=lambda *_: None),
-            self.lab,
-            LABS["husky"].programs[0],
-            1.0,
-        )
         self.node = None
 
     def wait(self, _condition, timeout):

@@ -11,14 +11,6 @@ import pytest
 
 from lcmtools.labs.checks import dolly, viewer
 from lcmtools.labs.checks.diagnosis import explain_number, misplaced, slip
-from lcmtools.labs.checks.driving_keys import (
-    DRIVING_KEYS,
-    KeyPress,
-    change_result,
-    key_cause,
-    key_result,
-    speeds_result,
-)
 from lcmtools.labs.checks.evaluation import (
     Sample,
     average_cause,
@@ -27,9 +19,17 @@ from lcmtools.labs.checks.evaluation import (
     root_mean_square,
     wrong_averages,
 )
-from lcmtools.labs.checks.observations import CommandMessage, Failure, Touch
+from lcmtools.labs.checks.observations import Failure, ReceivedMessage, Touch
 from lcmtools.labs.checks.step_response import Step, StepRun, judge
-from lcmtools.labs.checks.teleop import check_teleop
+from lcmtools.labs.checks.teleop import (
+    DRIVING_KEYS,
+    KeyPress,
+    change_result,
+    check_teleop,
+    key_cause,
+    key_result,
+    speeds_result,
+)
 from lcmtools.labs.checks.viewer import picture_cause
 from lcmtools.labs.nodes.driving.motion import Motion
 from lcmtools.messages.pictures import Picture
@@ -287,7 +287,8 @@ def test_a_first_key_that_brings_a_twist_of_0_is_asked_for_once():
     """The robot does not move, although something is published: the key is not in the table."""
     commands = []
     program = SimpleNamespace(
-        code=None, press=lambda _: commands.append(CommandMessage(0.0, "/RosAria/cmd_vel", Twist()))
+        code=None,
+        press=lambda _: commands.append(ReceivedMessage(0.0, "/RosAria/cmd_vel", Twist())),
     )
     recorder = SimpleNamespace(commands=commands, record_command=lambda _: None)
     bench = SimpleNamespace(

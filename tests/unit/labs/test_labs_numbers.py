@@ -11,8 +11,8 @@ from lcmtools.labs.catalogue import LABS, find_lab
 from lcmtools.labs.checks.check import CHECKS
 from lcmtools.labs.checks.choice import choose
 from lcmtools.labs.checks.dolly import ranges_in
-from lcmtools.labs.checks.driving_keys import DRIVING_KEYS, SPEED_KEYS, is_alike
 from lcmtools.labs.checks.measures import GOOD, analyse, explained, fit_radius
+from lcmtools.labs.checks.teleop import DRIVING_KEYS, SPEED_KEYS, is_alike
 from lcmtools.labs.checks.viewer import viewer_command
 from lcmtools.packages.create import NewPackage, create
 

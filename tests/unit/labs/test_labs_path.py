@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.path import DrivenPath, drive_cause, judge
 from lcmtools.types.geometry_msgs import Twist
 
@@ -102,7 +102,7 @@ def test_what_the_robot_touches_is_the_first_cause():
 def test_commands_that_no_robot_could_follow_are_a_wrong_unit_or_gain():
     command = Twist()
     command.angular.z = 57.3
-    commands = [CommandMessage(0.0, "/RosAria/cmd_vel", command)]
+    commands = [ReceivedMessage(0.0, "/RosAria/cmd_vel", command)]
     drive = drive_along(circle(2.0, 0.1))
 
     assert drive_cause(drive, []).key == "stops"

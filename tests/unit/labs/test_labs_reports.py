@@ -23,9 +23,9 @@ from lcmtools.labs.checks.check_report import (
 from lcmtools.labs.checks.check_report import rows as rows_of
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.observations import (
-    CommandMessage,
     Desire,
     Observations,
+    ReceivedMessage,
     Touch,
     TrueState,
 )
@@ -156,7 +156,7 @@ def test_the_picture_shows_steps_of_what_was_desired_and_measurements():
     desired, measured = velocity_curves(OBSERVED, 0)
     assert desired == Curve("desired", [0.0, 1.0, 1.0, 3.9], [0.0, 0.0, 0.5, 0.5])
     assert (measured.label, measured.times[0], measured.values[0]) == ("measured", 0.0, 0.5)
-    commands = [CommandMessage(2.0, "/cmd_vel", Twist())]
+    commands = [ReceivedMessage(2.0, "/cmd_vel", Twist())]
     commanded, nothing = velocity_curves(Observations(CONTROLLER, commands), 1)
     assert commanded == Curve("commanded", [2.0, 0.0], [0.0, 0.0])
     assert nothing == Curve("measured")

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from lcmtools.labs.checks.observations import CommandMessage, Touch, TrueState
+from lcmtools.labs.checks.observations import ReceivedMessage, Touch, TrueState
 from lcmtools.labs.checks.step_response import REST, Step, StepRun, judge
 from lcmtools.types.sensor_msgs import JointState
 
@@ -18,7 +18,7 @@ def effort(left, right):
 
 def step_run(step, reached, message, count=400, touches=()):
     motion = [TrueState(i / 50, 0.0, 0.0, *reached) for i in range(400)]
-    commands = [CommandMessage(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
+    commands = [ReceivedMessage(i * 8 / max(count, 1), "/husky0/velocity_cmd", message)
                 for i in range(count)]  # fmt: skip
     return StepRun(step, motion, commands, touches)
 
@@ -37,6 +37,11 @@ FORWARD, TURN = Step(0.5, 0.0), Step(0.0, 0.3)
             "the robot is stuck on pillar, at (4.0, -3.0) m",
         ),
         (step_run(FORWARD, (-0.9, 0.0), effort(-1, -1)), "speed-sign", "wrong sign of speed"),
+        (
+            step_run(FORWARD, (-0.9, 0.0), effort(-1, -1), 400, [Touch(1, "yard", -5.4, 0.0)]),
+            "speed-sign",
+            "wrong sign of speed",
+        ),
         (step_run(FORWARD, (0.5, 1.8), effort(-1, 1)), "turn-sign", "it turns at +1.80 rad/s"),
         (step_run(TURN, (0.0, -1.8), effort(1, -1)), "turn-sign", "wrong sign of turn (-1.80"),
         (step_run(TURN, (-1.0, 0.0), effort(-1, -1)), "speed-sign", "it drives at -1.00 m/s"),
@@ -58,7 +63,7 @@ def varied_run(step, speeds, force):
     times = [i / 50 for i in range(400)]
     motion = [TrueState(t, 0.0, 0.0, *speeds(t)) for t in times]
     commands = [
-        CommandMessage(t, "/husky0/velocity_cmd", effort(force(t), force(t))) for t in times
+        ReceivedMessage(t, "/husky0/velocity_cmd", effort(force(t), force(t))) for t in times
     ]
     return StepRun(step, motion, commands)
 

@@ -6,7 +6,7 @@ import pytest
 from fixtures.says import raises_saying
 
 from lcmtools.errors import UsageError
-from lcmtools.launch.command_line import read_words
+from lcmtools.launch.file import read_words
 
 
 def test_words_are_places_arguments_and_the_namespace_in_any_order():

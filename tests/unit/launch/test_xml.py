@@ -258,7 +258,8 @@ def test_names_behind_two_dashes_would_not_be_taken_and_stand_before_them(xml):
             "there is no node 'talkr' in the package lcmtools; did you mean talker?",
         ),
         (TALKER.replace("/>", ' respawn="maybe"/>'), 2, "'respawn' must be true or false"),
-        (TALKER.replace("/>", ' respawn_delay="-1"/>'), 2, "'respawn_delay' must be a number"),
+        (TALKER.replace("/>", ' respawn_delay="-1"/>'), 2, "'respawn_delay' must be between 0 and"),
+        (TALKER.replace("/>", ' respawn_delay="1 h"/>'), 2, "must be a number, not '1 h'"),
         (TALKER.replace("/>", ' output="file"/>'), 2, "'output' must be one of screen, log, both"),
         (TALKER.replace("/>", ' args="\'"/>'), 2, "a quote is not closed"),
         (

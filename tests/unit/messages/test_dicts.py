@@ -90,26 +90,6 @@ def test_length_fields_are_set():
             "geometry_msgs/Twist has no field 'liner' (fields: linear, angular); did you mean",
         ),
         (
-            lambda: lcmtools.from_dict(Twist, {"linear": {1: 2.0}}),
-            ValueMismatch,
-            "linear.1: geometry_msgs/Vector3 has no field '1' (fields: x, y, z)",
-        ),
-        (
-            lambda: lcmtools.from_dict(Twist, {"linear": {"x": "fast"}}),
-            ValueMismatch,
-            "linear.x: expected a number, got 'fast'",
-        ),
-        (
-            lambda: lcmtools.from_dict(CameraInfo, {"K": [1.0]}),
-            ValueMismatch,
-            "K: expected 9 numbers, got 1",
-        ),
-        (
-            lambda: lcmtools.from_dict(JointState, {"name": ["a"], "name_length": 2}),
-            ValueMismatch,
-            "name_length: is 2, and the length of name is 1",
-        ),
-        (
             lambda: lcmtools.from_dict(Imu, {"header": "auto"}),
             ValueMismatch,
             "'now' and 'auto' mean the time at which a message is sent; give the time",
@@ -133,11 +113,6 @@ def test_length_fields_are_set():
             lambda: lcmtools.to_dict(Twist(linear=3)),
             ValueMismatch,
             "linear: expected geometry_msgs/Vector3, got 3",
-        ),
-        (
-            lambda: lcmtools.to_dict(Image(data=5)),
-            ValueMismatch,
-            "data: expected a list of numbers, got 5",
         ),
     ],
 )

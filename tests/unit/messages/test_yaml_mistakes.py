@@ -31,15 +31,9 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
         (TWIST, ["linear: {x: }"], "linear.x: expected a number, got nothing"),
         (TWIST, ["linear: {x: ''}"], "linear.x: expected a number, got ''"),
         (TWIST, ["linear: {x: [1]}"], "linear.x: expected a number, got a list"),
-        (TWIST, ["linear: {x: {y: 1}}"], "linear.x: expected a number, got a mapping"),
         (TWIST, ["linear: {x: !!binary aGk=}"], "linear.x: expected a number, got binary data"),
         (TWIST, ["linear: {x: 1e999}"], "linear.x: 1e999 does not fit float64"),
         (TWIST, ["linear: {x: ٣}"], "linear.x: expected a number, got '٣'"),
-        (
-            TWIST,
-            ["linear: {w: 1}"],
-            "linear.w: geometry_msgs/Vector3 has no field 'w' (fields: x, y, z)",
-        ),
         (
             TWIST,
             ["lineal: {x: 1}"],
@@ -50,57 +44,18 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
         ),
         (
             TWIST,
-            ["linear: {x:1}"],
-            (
-                "linear: geometry_msgs/Vector3 has no field 'x:1' (fields: x, y, z); "
-                "put a space after the colon: 'x: 1'"
-            ),
-        ),
-        (
-            TWIST,
-            ["{linear:{x: 1}}"],
-            (
-                "bad YAML at line 1, column 8: found unexpected ':'; "
-                "put a space after the colon: 'linear: {...}'"
-            ),
-        ),
-        (
-            TWIST,
-            ["linear:1"],
-            (
-                "geometry_msgs/Twist: expected fields (linear, angular), got 'linear:1'; "
-                "put a space after the colon: 'linear: 1'"
-            ),
-        ),
-        (
-            TWIST,
             ["linear:\n  x:1"],
             "linear: expected fields (x, y, z), got 'x:1'; put a space after the colon: 'x: 1'",
         ),
-        (
-            "std_msgs/String",
-            ["data:hello"],
-            (
-                "std_msgs/String: expected fields (data), got 'data:hello'; "
-                "put a space after the colon: 'data: hello'"
-            ),
-        ),
         (TWIST, ["fast"], "geometry_msgs/Twist: expected fields (linear, angular), got 'fast'"),
         (TWIST, ["linear: 5"], "linear: expected fields (x, y, z), got '5'"),
-        (TWIST, ["linear: [1, 2]"], "linear: expected 3 values (x, y, z), got 2"),
         (TWIST, ["[1, 2, 3]"], "geometry_msgs/Twist: expected 2 values (linear, angular), got 3"),
         (TWIST, ["1", "2", "3"], "geometry_msgs/Twist: expected 2 values (linear, angular), got 3"),
         (VECTOR, ["1", "2"], "geometry_msgs/Vector3: expected 3 values (x, y, z), got 2"),
-        (VECTOR, ["1", "2", "x"], "z: expected a number, got 'x'"),
         (
             "std_msgs/Empty",
             ["x: 1"],
             "x: std_msgs/Empty has no field 'x' (it has no fields)",
-        ),
-        (
-            TWIST,
-            ["speed:1"],
-            "geometry_msgs/Twist: expected fields (linear, angular), got 'speed:1'",
         ),
         (
             TWIST,
@@ -126,29 +81,11 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
                 " numbers have a decimal point, no comma: 0.5"
             ),
         ),
-        (
-            TWIST,
-            ["{Linear: {X: 1}}"],
-            (
-                "Linear: geometry_msgs/Twist has no field 'Linear' (fields: linear, angular);"
-                " did you mean 'linear'?"
-            ),
-        ),
-        (
-            TWIST,
-            ["{linear:1}"],
-            (
-                "geometry_msgs/Twist has no field 'linear:1' (fields: linear, angular); "
-                "put a space after the colon: 'linear: 1'"
-            ),
-        ),
         ("std_msgs/Empty", ["1"], "std_msgs/Empty: expected no fields, got '1'"),
         ("std_msgs/Empty", ["1", "2"], "std_msgs/Empty: expected no fields, got 2"),
-        ("std_msgs/Int8", ["300"], "data: 300 does not fit int8 (-128..127)"),
         ("std_msgs/Int8", ["3e2"], "data: 3e2 does not fit int8 (-128..127)"),
         ("std_msgs/Int8", ["1e999999999"], "data: 1e999999999 does not fit int8 (-128..127)"),
         ("std_msgs/Int8", ["0x80"], "data: 0x80 does not fit int8 (-128..127)"),
-        ("std_msgs/Int8", ["5.5"], "data: expected an integer, got '5.5'"),
         ("std_msgs/Int8", ["1e-1"], "data: expected an integer, got '1e-1'"),
         ("std_msgs/Int8", ["five"], "data: expected an integer, got 'five'"),
         ("std_msgs/Int8", ["1_0"], "data: expected an integer, got '1_0'"),
@@ -157,18 +94,9 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
             ["1" * 5000],
             f"data: expected an integer, got '{'1' * 35}...'",
         ),
-        ("std_msgs/UInt8", ["-1"], "data: -1 does not fit uint8 (0..255)"),
-        ("std_msgs/Float32", ["1e39"], "data: 1e39 does not fit float32"),
         ("std_msgs/Float64", [f"0x{'f' * 300}"], f"data: 0x{'f' * 300} does not fit float64"),
-        ("std_msgs/Bool", ["maybe"], "data: expected true or false, got 'maybe'"),
         ("std_msgs/Bool", ["2"], "data: expected true or false, got '2'"),
-        ("std_msgs/String", ["data: [a]"], "data: expected text, got a list"),
         ("std_msgs/String", ["data: {a: b}"], "data: expected text, got a mapping"),
-        (
-            "nav_msgs/Odometry",
-            ["pose: {covariance: [1, 2]}"],
-            "pose.covariance: expected 36 numbers, got 2",
-        ),
         (
             "sensor_msgs/LaserScan",
             ["ranges: 5"],
@@ -179,11 +107,6 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
             ["ranges:"],
             "ranges: expected a list of numbers, got nothing",
         ),
-        (
-            "sensor_msgs/LaserScan",
-            ["ranges: {a: 1}"],
-            "ranges: expected a list of numbers, got a mapping",
-        ),
         ("sensor_msgs/LaserScan", ["ranges: [1, x]"], "ranges[1]: expected a number, got 'x'"),
         (
             "nav_msgs/Path",
@@ -192,19 +115,9 @@ TWIST, VECTOR = "geometry_msgs/Twist", "geometry_msgs/Vector3"
         ),
         ("nav_msgs/Path", ["poses: [5]"], "poses[0]: expected fields (header, pose), got '5'"),
         (
-            "sensor_msgs/JointState",
-            ["name_length: 2"],
-            "name_length: is 2, and the length of name is 0; leave it out",
-        ),
-        (
             "sensor_msgs/CompressedImage",
             ["data: [1, 256]"],
             "data[1]: 256 does not fit uint8 (0..255)",
-        ),
-        (
-            "sensor_msgs/CompressedImage",
-            ["data: {a: 1}"],
-            "data: expected a list of numbers, got a mapping",
         ),
         (
             "std_msgs/Time",
@@ -222,15 +135,12 @@ def test_what_does_not_fit_is_named_with_its_path(name, texts, line):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("{x: 1, x: 2}", "bad YAML at line 1, column 8: 'x' is given twice; leave one of them out"),
         (
             "x: 1\ny: 2\nx: 3",
             "bad YAML at line 3, column 1: 'x' is given twice; leave one of them out",
         ),
-        ("{x: 1", "bad YAML at line 1, column 1: this '{' is not closed"),
         ("a: {x: [1, 2", "bad YAML at line 1, column 8: this '[' is not closed"),
         ("{x: {y:", "bad YAML from line 1 on: a bracket is not closed"),
-        ("{x: 1}}", "bad YAML at line 1, column 7: this '}' closes nothing"),
         ("]", "bad YAML at line 1, column 1: did not find expected node content"),
         ("x: 'a", "bad YAML at line 1, column 4: this quote is not closed"),
         ('x: "a', "bad YAML at line 1, column 4: this quote is not closed"),
@@ -242,38 +152,10 @@ def test_what_does_not_fit_is_named_with_its_path(name, texts, line):
             ),
         ),
         (
-            "x: {a: 1} y: {a: 2}",
-            (
-                "bad YAML at line 1, column 11: did not find expected key; "
-                "put all fields into { } with commas between, or each on a line of its own"
-            ),
-        ),
-        (
-            "x: [1], y: [2]",
-            (
-                "bad YAML at line 1, column 7: did not find expected key; "
-                "put all fields into { } with commas between, or each on a line of its own"
-            ),
-        ),
-        (
-            "x:\n  a: 1\n b: 2",
-            (
-                "bad YAML at line 3, column 2: did not find expected key; "
-                "indent the keys of an entry equally"
-            ),
-        ),
-        (
             "x: 1\n  y: 2",
             (
                 "bad YAML at line 2, column 4: mapping values are not allowed in this context; "
                 "indent the keys of an entry equally"
-            ),
-        ),
-        (
-            "x: {{ y }}",
-            (
-                "bad YAML at line 1, column 5: a key must be a word; "
-                "put text that begins with '{{' in quotes"
             ),
         ),
         *(
@@ -291,13 +173,6 @@ def test_what_does_not_fit_is_named_with_its_path(name, texts, line):
                 "put a space after the colon: 'x: 1'"
             ),
         ),
-        (
-            "x: a: b",
-            (
-                "bad YAML at line 1, column 5: mapping values are not allowed in this context; "
-                "put the fields in { }, and text that has ': ' in it in quotes"
-            ),
-        ),
         ("\t- x", "bad YAML at line 1, column 1: a tab cannot indent; indent with spaces"),
         ("x: *b", f"bad YAML at line 1, column 4: unknown alias '*b'; {quote('*')}"),
         ("&a [*a]", f"bad YAML at line 1, column 5: unknown alias '*a'; {quote('*')}"),
@@ -305,10 +180,6 @@ def test_what_does_not_fit_is_named_with_its_path(name, texts, line):
         (
             "x: !!set {a}",
             f"bad YAML at line 1, column 4: the tag !!set is not supported here; {quote('!')}",
-        ),
-        (
-            "x: !mine a",
-            f"bad YAML at line 1, column 4: the tag !mine is not supported here; {quote('!')}",
         ),
         (
             "!!python/object:os.system ls",
@@ -373,12 +244,6 @@ def test_bad_yaml_in_a_text_is_named_with_its_place(lines, error):
 @pytest.mark.parametrize(
     ("name", "texts", "hint"),
     [
-        ("std_msgs/String", ["hello", "world"], "put the text in quotes: 'hello world'"),
-        (
-            TWIST,
-            ["linear: {x: 1}", "angular: {z: 1}"],
-            "write all fields into one argument: '{name: value, name: value}'",
-        ),
         (
             VECTOR,
             ["x:1", "y:2", "z:3"],

@@ -116,24 +116,6 @@ def test_a_client_may_call_inside_a_callback(begin, bus, serve, start_switch):
     assert answers == ["call 1"]
 
 
-def test_a_call_of_ones_own_service_inside_a_callback_times_out_and_nothing_worse(
-    begin, bus, start_switch
-):
-    begin()
-    server = start_switch()
-    client, failures = server.node.create_client(SetBool, "switch"), []
-
-    def ask(_message):
-        with pytest.raises(ServiceError) as caught:
-            client.call(_request(), timeout=0.1)
-        failures.append(caught.value)
-
-    server.node.create_subscription(Int32, "ask", ask)
-    bus.publish("/ask", encode(Int32()))
-    lcmtools.spin_once(server.node)
-    assert len(failures) == 1
-
-
 def test_many_clients_at_once_each_get_their_own_answer(begin, serve, start_switch):
     begin()
     server = start_switch()

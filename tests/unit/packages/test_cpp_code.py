@@ -1,6 +1,6 @@
 """The C++ that lcm-gen does not write."""
 
-from lcmtools.packages.cpp_code import with_lengths
+from lcmtools.packages.lcm_gen import with_lengths
 from lcmtools.packages.lcm_parser import parse
 
 HEADER = "class grid_t {\n        // LCM support functions. Users should not call these\n};\n"

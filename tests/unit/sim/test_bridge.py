@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 from fixtures.fake_bus import FakeBus
 
-from lcmtools.errors import ValueMismatch
 from lcmtools.graph.model import Endpoint, Graph, Role
 from lcmtools.graph.model import Node as GraphNode
 from lcmtools.messages.codec import decode, encode
@@ -17,8 +16,8 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools_sim.bridge import Bridge
-from lcmtools_sim.drive_command import interpret
 from lcmtools_sim.mounted import Sample, Subscribers
+from lcmtools_sim.robot import interpret
 from lcmtools_sim.robots.husky import HUSKY
 
 
@@ -254,11 +253,6 @@ def test_samples_go_out_on_their_topics(bridge, node):
     payload = encode(Clock())
     bridge.publish([Sample("/clock", Clock, payload)])
     assert node.publishers["/clock"].sent == [payload]
-
-
-def test_the_fake_robot_refuses_as_the_real_one_does():
-    with pytest.raises(ValueMismatch):
-        FakeRobot("/a").command(efforts())
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from lcmtools.types.geometry_msgs import Twist
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.types.std_msgs import String
 from lcmtools_sim.drive import body_velocity
-from lcmtools_sim.drive_command import interpret
+from lcmtools_sim.robot import interpret
 from lcmtools_sim.robots.husky import HUSKY
 
 NAN = math.nan

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from lcmtools_sim.control import _above
 from lcmtools_sim.shapes import Cuboid, Part
-from lcmtools_sim.snapshot import _above
 from lcmtools_sim.vision.camera import Camera, corners_of
 from lcmtools_sim.vision.solids import solids_of
 

@@ -8,9 +8,8 @@ from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import Message
 from lcmtools.types.std_msgs import String
 from lcmtools_sim.geometry import Frame
-from lcmtools_sim.latched import LatchedPublisher
 from lcmtools_sim.scene import Scene
-from lcmtools_sim.view import View
+from lcmtools_sim.view import LatchedPublisher, View
 
 
 @dataclass

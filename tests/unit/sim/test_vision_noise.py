@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from lcmtools_sim.vision.noise import noisy
+from lcmtools_sim.sensors.cameras import noisy
 
 KINECT, KINECT_STEP = 1.4e-3, 2.85e-3
 SHAPE = 400, 500

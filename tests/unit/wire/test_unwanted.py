@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.wire import reassembly
+from lcmtools.bounded import MOST_ENTRIES
 from lcmtools.wire.reassembly import UnwantedMessages
 
 _IMAGES = 4000, 921_600
@@ -73,10 +73,9 @@ def test_other_channels_begin_anew():
     assert messages.denied == []
 
 
-def test_strangers_fill_no_memory(monkeypatch):
-    monkeypatch.setattr(reassembly, "_MOST_COUNTED", 10)
+def test_strangers_fill_no_memory():
     messages = UnwantedMessages()
-    for number in range(100):
+    for number in range(2 * MOST_ENTRIES):
         messages.note(number, number, 0)
         messages.want(number)
-    assert len(messages._counts) == len(messages._wanted) == 10
+    assert len(messages._counts) == len(messages._wanted) == MOST_ENTRIES

@@ -1,7 +1,7 @@
 // The images of a topic: colour, grey and depth, with the value under the pointer.
 
 import { button, element, iconButton, offer, selection, set, write } from "../elements.js";
-import { mistakeText, rateText } from "../texts.js";
+import { fileTimeText, mistakeText, rateText } from "../texts.js";
 import { choiceField } from "./choice.js";
 import { mix, readPicture } from "./pixels.js";
 import { fileName, savePicture } from "./save.js";
@@ -223,7 +223,7 @@ export default class ImagePanel {
 
   save() {
     if (!this.picture) return;
-    const time = new Date(this.picture.header.time * 1000).toISOString().replace(/[:.]/g, "-");
+    const time = fileTimeText(this.picture.header.time);
     savePicture(`${fileName(this.topic)}_${time}.png`, this.canvas);
   }
 

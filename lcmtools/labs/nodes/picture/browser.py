@@ -8,8 +8,7 @@ from functools import partial
 from lcmtools import Node
 from lcmtools.errors import needing_extra
 from lcmtools.gui.access import access_for
-from lcmtools.gui.browser import show_page
-from lcmtools.gui.own_token import own_token
+from lcmtools.gui.browser import own_token, show_page
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import BusSource
 from lcmtools.labs.nodes.picture.display import Display

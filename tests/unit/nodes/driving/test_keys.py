@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.labs.nodes.driving.key_script import KeyScript
+from lcmtools.labs.nodes.driving.keyboard import KeyScript
 from lcmtools.labs.nodes.driving.motion import HeldKey, Motion, Sliders
 from lcmtools.terminal import split_keys
 

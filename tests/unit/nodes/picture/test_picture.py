@@ -11,7 +11,6 @@ import PIL.Image
 import pytest
 
 from lcmtools.errors import DecodeError, MissingExtra, UsageError
-from lcmtools.labs.nodes.picture.blocks import TerminalColors, blocks, terminal_colors
 from lcmtools.labs.nodes.picture.colors import (
     ColorOptions,
     colored,
@@ -20,7 +19,12 @@ from lcmtools.labs.nodes.picture.colors import (
     sentence,
 )
 from lcmtools.labs.nodes.picture.display import numbered, values_of
-from lcmtools.labs.nodes.picture.screen import ScreenDisplay
+from lcmtools.labs.nodes.picture.screen import (
+    ScreenDisplay,
+    TerminalColors,
+    blocks,
+    terminal_colors,
+)
 from lcmtools.labs.nodes.picture.viewer import choose_display, panel_settings, viewer_parser
 from lcmtools.messages.pictures import read_picture
 from lcmtools.messages.pixels import COLOR_MAPS

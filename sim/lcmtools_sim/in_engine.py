@@ -54,7 +54,7 @@ def pulled(
     return add(velocity, pull), add(motion.angular_velocity, scaled(up, twist))
 
 
-class HeldRobots:
+class RobotsInEngine:
     """Many robots that the engine moves.
 
     Args:
@@ -74,7 +74,7 @@ class HeldRobots:
         indices, self._bodies, motions = zip(*robots, strict=True)
         self._world, self._vehicles, self._fall = world, vehicles, fall
         self._indices = np.array(indices)
-        self._constants, _ = vehicles.rows(self._indices)
+        self._constants, _ = vehicles.take(self._indices)
         self._tyres = vehicles.tyres_of(self._constants)
         self._motion, self._before = map(_stacked, zip(*motions, strict=True))
 
@@ -100,7 +100,7 @@ class HeldRobots:
 
     def state(self, time: int) -> RobotState:
         """Return the state that sensors measure, as arrays over all; ``time`` is simulated [ns]."""
-        values = self._vehicles.rows(self._indices)
+        values = self._vehicles.take(self._indices)
         return measured(self._motion, self._before, values, (time, self._vehicles.dt))
 
 
