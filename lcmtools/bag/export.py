@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lcmtools.bag.output import output_beside
-from lcmtools.bag.ros_bags import Compression, McapFile, RosBag
+from lcmtools.bag.ros_bags import Compression, McapFile, RosBag, database_errors
 from lcmtools.bag.ros_types import NO_TYPES, RecordedTypes
 from lcmtools.bag.tables import CsvFiles, JsonLines, NumpyFile, OnOmission, ParquetFiles, file_name
 from lcmtools.clock import split_stamp
@@ -161,6 +161,7 @@ def export(  # noqa: PLR0913 - each is a separate option
         raise UsageError(what, "name a folder")
     with (
         output_beside(target, force=force, binary=format_ not in _TEXTS) as beside,
+        database_errors(),
         _open(beside, format_, compression, recorded, done.add_omission) as file,
     ):
         for packet in packets:

@@ -34,14 +34,17 @@ def output_beside(target: Path, *, force: bool = False, binary: bool = True) -> 
         raise LcmtoolsError(f"{target} exists", "name another file, or add --force")
     place = target.resolve()
     scratch = place.with_name(f".{place.name}.{os.getpid()}")
+    made = scratch / place.name
     try:
         with os_errors_as(f"cannot write {target}"):
             scratch.mkdir()
-            made = scratch / place.name
             yield made
             if made.is_file():
                 made.chmod(usual_mode(place))
             for one in sorted(scratch.iterdir(), key=made.__eq__):  # what is beside it first
                 one.rename(place.with_name(one.name))
+    except LcmtoolsError as error:  # of a writer that names the file that it writes
+        error.what = error.what.replace(str(made), str(target))
+        raise
     finally:
         shutil.rmtree(scratch, ignore_errors=True)

@@ -1,7 +1,8 @@
 """Writing logs in ROS's formats: MCAP, and bags of ROS 1 and ROS 2."""
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+import sqlite3
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -83,6 +84,15 @@ def _time(packet: Packet) -> int:
     if not 0 <= packet.time < _TIMES_END:
         raise DecodeError("ROS cannot represent the time of their recording")
     return packet.time
+
+
+@contextmanager
+def database_errors() -> Iterator[None]:
+    """Convert the errors of a ROS 2 bag's database, such as that of a full disk, to OSError."""
+    try:
+        yield
+    except sqlite3.OperationalError as error:
+        raise OSError(f"{error}") from error
 
 
 class RosBag(AbstractContextManager["RosBag"]):

@@ -202,6 +202,9 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
     graph, client = look(timeout)
     file, nodes = _file_and_nodes(graph, words, output)
     answers, errors = client.get_all(nodes)
+    none = "" if nodes else f"no node with parameters on {client.url}"
+    if none and file not in (None, "-"):
+        raise LcmtoolsError(none, f"{file} is left as it is")
     if as_json:
         write_document(report.all_values(answers))
     elif file in (None, "-"):
@@ -209,6 +212,8 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
     elif not errors:  # an incomplete file is worse than none
         text = "".join(f"{row}\n" for row in report.tree(answers))
         write_whole(Path(str(file)), text)
+    if none:
+        write_note(none)
     return complain_of(errors)
 
 

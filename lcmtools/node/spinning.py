@@ -130,9 +130,8 @@ def _check_nodes(call: str, nodes: Sequence[Node]) -> Context:
     """Return the context of nodes; refuse what is none."""
     if not nodes:
         raise UsageError(f"lcmtools.{call}() has no node to run", f"write lcmtools.{call}(node)")
-    for node in nodes:
-        _check_node(call, node)
-    return nodes[0].context
+    contexts = [_context_of(call, node) for node in nodes]
+    return contexts[0]
 
 
 def _check_are_idle(call: str, nodes: Sequence[Node]) -> None:
@@ -144,11 +143,13 @@ def _check_are_idle(call: str, nodes: Sequence[Node]) -> None:
             raise UsageError(f"lcmtools.{call}({node.name}) runs already", hint)
 
 
-def _check_node(call: str, node: object) -> None:
+def _context_of(call: str, node: object) -> Context:
+    """Return the context of a node; refuse what is none, and nodes of a forked process's parent."""
     if isinstance(node, Node):
-        if node.context.is_of_parent:
+        context = node.context
+        if context.is_of_parent:
             raise refusal(is_of_parent=True)
-        return
+        return context
     hint = f"write lcmtools.{call}(node)"
     if isinstance(node, type) and issubclass(node, Node):
         hint = f"write lcmtools.{call}({node.__name__}())"
@@ -163,13 +164,12 @@ def spin_once(node: Node, timeout: float | None = 0.0) -> None:
 
     Returns as soon as callbacks have run, or when the time is over or the program should end.
     """
-    _check_node("spin_once", node)
-    context = node.context
+    context, callbacks = _context_of("spin_once", node), node.callbacks
     if timeout == 0 and context.ok():  # a simulator does this in each of its steps
-        if not node.callbacks.run_ready() and context.lockstep:
-            context.lockstep.answer((node.callbacks,))
+        if not callbacks.run_ready() and context.lockstep:
+            context.lockstep.answer((callbacks,))
     else:
-        context.run_once((node.callbacks,), timeout)
+        context.run_once((callbacks,), timeout)
 
 
 @explained
@@ -180,13 +180,13 @@ def spin_until_future_complete(
 
     Returns also when the program should end; ``future.done()`` tells.
     """
-    _check_node("spin_until_future_complete", node)
+    context = _context_of("spin_until_future_complete", node)
     if not isinstance(future, Future):
         what = f"spin_until_future_complete needs a future, got {checks.described(future)}"
         raise UsageError(what, "write future = client.call_async(request)")
     deadline = None if timeout is None else time.monotonic() + timeout
-    while node.context.ok() and not future.done():
+    while context.ok() and not future.done():
         left = None if deadline is None else deadline - time.monotonic()
         if left is not None and left <= 0:
             return
-        node.context.run_once((node.callbacks,), left, future.done)
+        context.run_once((node.callbacks,), left, future.done)

@@ -123,6 +123,14 @@ def test_set_takes_nested_names_as_load_does(cli):
     assert_says(kp, "/husky0/driver/pid.kp", "3.0")
 
 
+def test_dump_without_nodes_leaves_a_file_as_it_is(cli, tmp_path):
+    file = tmp_path / "gains.yaml"
+    file.write_text("gain: 2.0")
+    done = cli("param", "dump", str(file))
+    assert (done.code, file.read_text()) == (1, "gain: 2.0")
+    assert_says(done.err, "no node with parameters on", f"{file} is left as it is")
+
+
 @pytest.mark.usefixtures("driver")
 def test_load_takes_back_what_dump_writes(cli, tmp_path):
     file = str(tmp_path / "all.yaml")

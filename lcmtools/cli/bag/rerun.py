@@ -98,13 +98,13 @@ def command(
             **typed,
         )
         line.clear()
+    write_result(record(result), rows(result), as_json=as_json)
     if save:
         save_log(result, save, force=force)
     if junit:
         write_whole(junit, junit_of(result))
     if plot and not result:
         draw(result, plot)
-    write_result(record(result), rows(result), as_json=as_json)
     return 0 if result else 1
 
 

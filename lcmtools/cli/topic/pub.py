@@ -120,7 +120,7 @@ def command(
     try:
         incoming = read_incoming(kind, words, file, notify)
     except ValueMismatch as error:
-        if "-1" not in typed:
+        if "-1" not in typed[typed.index(type_) :]:
             raise
         raise ValueMismatch(error.what, "-1 is the option; -- -1 is the value") from error
     publish(

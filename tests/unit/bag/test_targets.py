@@ -1,5 +1,6 @@
 """Outputs that a user names: only files are replaced; what is no file is written to, or refused."""
 
+import gc
 import json
 import os
 import socket
@@ -10,6 +11,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from fixtures.limits import small_files
 from fixtures.says import assert_says
 
 from lcmtools.bag.series import LogSeries
@@ -95,6 +97,19 @@ def test_a_device_is_not_replaced(name):
     assert main(_words(name, "device")) == 0
     assert Path("device").is_symlink()
     assert Path("/dev/null").is_char_device()
+
+
+@pytest.mark.parametrize(
+    "command", [*map(_COMMANDS.get, _WAYS), "bag export in.lcmlog {} --format ros2"]
+)
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # rosbags' file
+def test_a_full_disk_is_told_with_the_name_of_the_target(command, capsys):
+    target = "made.csv"
+    with small_files(most=150):
+        assert main(command.format(target).split()) in (1, 64)
+        gc.collect()
+    assert f"cannot write {target}: " in capsys.readouterr().err
+    assert not list(Path().glob("*made*"))
 
 
 @pytest.mark.parametrize("name", _WAYS)
