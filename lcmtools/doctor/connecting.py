@@ -30,6 +30,7 @@ from lcmtools.graph.command_line import program_words
 from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
 from lcmtools.graph.model import Endpoint, Graph, Node, Role
 from lcmtools.names import base_name_of, is_hidden, namespace_of
+from lcmtools.observe.reports.describe import seen_kinds
 from lcmtools.observe.simulators import is_simulator
 
 CONNECTIONS = {
@@ -313,8 +314,6 @@ class ConnectionFinder:
     def _foreign(self) -> Iterator[_Publication]:
         for seen in self._graph.foreign():
             name = self._names.get(seen.channel, str(seen.sender or "unknown sender"))
-            from lcmtools.observe.reports.describe import seen_kinds
-
             kinds = seen_kinds(seen.fingerprints, seen.channel)
             sender = Subject("sender", name)
             known = seen.channel, _NO_NODE, sender, seen.fingerprints, kinds[0] if kinds else ()

@@ -58,9 +58,10 @@ def may_be_fingerprint(number: int) -> bool:
     return (number & _BITS).to_bytes(8, "big").count(0) <= _MOST_ZEROS
 
 
-def own_types_like(channel: str) -> list[str]:
-    """Return the user's own types whose names resemble a channel's, the most similar first."""
-    shares = {name: resemblance(name, channel)[0] for name in type_files()}
+def own_types_like(channel: str, own: Iterable[str] | None = None) -> list[str]:
+    """Return the user's ``own`` types whose names resemble a channel's, the most similar first."""
+    names = type_files() if own is None else own
+    shares = {name: resemblance(name, channel)[0] for name in names}
     found = [name for name, share in shares.items() if share >= _ALIKE]
     return sorted(found, key=lambda name: (-shares[name], name))
 

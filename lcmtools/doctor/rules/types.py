@@ -1,7 +1,7 @@
 """Rules about message types."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations, zip_longest
 
@@ -24,6 +24,7 @@ from lcmtools.messages.registry import (
     is_own,
     message_class,
     problems,
+    type_files,
     type_name,
     type_names,
     versioned,
@@ -154,6 +155,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
     foreign: list[Statement] = []
     numbers = {number for seen in evidence.graph.traffic for number in seen.fingerprints}
     known = {number for number in numbers if candidates(number)}
+    own_types = type_files() if numbers - known else {}  # seldom needed, and slow
     formats = {(one.channel, one.sender): one.format for one in evidence.streams}
     for topic in evidence.graph.topics():
         if is_hidden(topic.name):
@@ -167,7 +169,7 @@ def types_are_known(evidence: Evidence) -> Iterator[Finding]:
                 number = seen.fingerprints[0] if len(seen.fingerprints) == 1 else _NO_TYPE
                 unknown_ones[number, likely].append(sender)
         for (number, likely), senders in unknown_ones.items():
-            parts = {"format": likely} if likely else _unknown_type(number, topic)
+            parts = {"format": likely} if likely else _unknown_type(number, topic, own=own_types)
             parts = _name(number, topic) or parts
             fact = state("unknown-type", topic=topic.name, senders=senders, **parts)
             kept = near if "like" in parts else unknown if "fingerprint" in parts else foreign
@@ -329,12 +331,12 @@ def _possible(fingerprint: int, topic: Topic) -> list[str]:
     return possible_types(fingerprint, topic.name, topic.types)
 
 
-def _expected(topic: Topic, unknown: int) -> Iterator[str]:
+def _expected(topic: Topic, unknown: int, own: Iterable[str] | None) -> Iterator[str]:
     """Yield the types of a topic: announced, possibly sent, and the user's own named so."""
     yield from (name for name in topic.types if name in type_names())
     for number in topic.fingerprints:
         yield from _possible(number, topic) if number != unknown else ()
-    yield from own_types_like(topic.name)
+    yield from own_types_like(topic.name, own)
 
 
 def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
@@ -346,10 +348,15 @@ def _type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[
     return _unknown_type(fingerprint, topic, expected)
 
 
-def _unknown_type(fingerprint: int, topic: Topic, expected: Sequence[str] = ()) -> dict[str, Part]:
+def _unknown_type(
+    fingerprint: int,
+    topic: Topic,
+    expected: Sequence[str] = (),
+    own: Iterable[str] | None = None,
+) -> dict[str, Part]:
     """Return the parts of a statement that describe a type that no known one is."""
     if fingerprint == _NO_TYPE or not may_be_fingerprint(fingerprint):
         return {}
-    near = other_version(fingerprint, [*expected, *_expected(topic, fingerprint)])
+    near = other_version(fingerprint, [*expected, *_expected(topic, fingerprint, own)])
     hexadecimal: dict[str, Part] = {"fingerprint": f"{fingerprint:#018x}"}
     return hexadecimal | ({"like": near.name, "difference": near.difference} if near else {})
