@@ -8,6 +8,7 @@ import contextlib
 import os
 import socket
 import struct
+import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache, cached_property
@@ -15,7 +16,7 @@ from ipaddress import IPv4Address
 from types import MappingProxyType
 from typing import NamedTuple
 
-from lcmtools.bus.kernel import IS_LINUX, OWN_MARKS
+from lcmtools.bus.kernel import OWN_MARKS
 from lcmtools.bus.processes import PROC, Process, is_local, open_files, process_of
 from lcmtools.bus.url import BusUrl
 from lcmtools.wire.packet import Sender
@@ -180,7 +181,9 @@ class SocketTable:
         """
         import ctypes
 
-        pid = self.holders[inode].pid if IS_LINUX and inode in self.holders else 0
+        if sys.platform != "linux":
+            return ()
+        pid = self.holders[inode].pid if inode in self.holders else 0
         files = self.files.get(pid, {}).items()
         number = next((n for n, target in files if target == f"socket:[{inode}]"), None)
         if number is None:
@@ -311,7 +314,7 @@ def _attributes(family: int) -> Iterator[tuple[int, Mapping[int, bytes]]]:
 
     One sock_diag(7) request, which any user may send, is answered with all sockets.
     """
-    if not IS_LINUX:
+    if sys.platform != "linux":
         return
     with (
         contextlib.suppress(OSError, struct.error),
