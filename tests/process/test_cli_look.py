@@ -8,6 +8,8 @@ import socket
 import pytest
 from fixtures.says import assert_says
 
+from lcmtools.bus.sockets import SocketTable
+
 HOST = socket.gethostname()
 
 pytestmark = pytest.mark.usefixtures("use_module_bus", "nodes")
@@ -135,7 +137,7 @@ def test_commands_leave_no_trace_on_the_bus(cli):
 
 
 def test_nodes_of_other_users_are_no_programs_without_a_node(cli, monkeypatch):
-    monkeypatch.setattr("lcmtools.observe.reading.senders.owners", lambda _sockets: {})
+    monkeypatch.setattr(SocketTable, "holders", {})
     listed = cli("node", "list", "-a").out
     assert "/listener" in listed
     assert "Programs that are no nodes" not in listed

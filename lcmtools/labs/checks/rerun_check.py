@@ -103,7 +103,7 @@ def _end_row(result: Rerun, program: LabProgram) -> CheckResult:
     """Return the row for a program that must hear the drive, speak, and not fail."""
     wrong = [one.partition("\n")[0] for one in (*result.run.errors[:1], result.run.trouble) if one]
     if not wrong and program.publishes and not any(map(result.now.get, program.publishes)):
-        wrong = list(result.trouble) or ["it published nothing"]
+        wrong = ["it published nothing"]
     lines = result.run.last_lines
     hint = "; ".join([*wrong, *result.notes]) if wrong else ""
     said = str(last_failure("\n".join(lines)) or lines[-1]) if wrong and lines else ""
