@@ -75,7 +75,8 @@ def test_a_sender_whose_messages_get_lost(world):
 def test_a_simulator_that_was_made_slow(world):
     world.node("sim", "--world", "empty")
     world.type("lcmtools sim set-rate 0.4")
-    found = world.finds("slow-simulator", "/gazebo", "0.4", wait="0.8s")
+    found = world.finds("slow-simulator", "/gazebo", wait="0.8s")
+    assert found.values["ratio"] == pytest.approx(0.4, abs=0.05)
     world.obey(found)
     world.is_silent()
 
