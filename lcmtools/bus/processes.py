@@ -10,7 +10,6 @@ import os
 import socket
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -31,13 +30,14 @@ class Usage(NamedTuple):
     processor_time: float  # CPU time of all threads so far [s]
 
 
-@dataclass(frozen=True)
-class Process:
-    """A process of this computer. What cannot change is read once, when it is first asked for."""
-
+class _Identity(NamedTuple):
     pid: int
     command: str = ""  # its command line
     start_ticks: int = 0  # its start [clock ticks since boot]; with the pid, its identity
+
+
+class Process(_Identity):
+    """A process of this computer. What cannot change is read once, when it is first asked for."""
 
     def text(self, file: str) -> str:
         """Return a file of it in /proc; "" if it has ended, or is another user's."""
