@@ -76,7 +76,7 @@ class Process(_Identity):
 
     @cached_property
     def uses_lcm(self) -> bool:
-        """Whether it has liblcm or its Python binding loaded, or linked in."""
+        """True if it has liblcm or its Python binding loaded, or linked in."""
         maps = self.text("maps")
         known = "liblcm" in maps or "/_lcm" in maps
         return known or (bool(maps) and _contains(PROC / str(self.pid) / "exe", _LCM_MARK))
@@ -90,7 +90,7 @@ class Process(_Identity):
 
     @property
     def is_stopped(self) -> bool:
-        """Whether it is stopped until it is continued, as after Ctrl-Z."""
+        """True if it is stopped until it is continued, as after Ctrl-Z."""
         return self.state in ("T", "t")
 
     @property

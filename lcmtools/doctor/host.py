@@ -9,6 +9,7 @@ import contextlib
 import errno
 import fcntl
 import os
+import select
 import shutil
 import socket
 import struct
@@ -20,18 +21,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lcmtools.bus.network_watch import route_interface
-from lcmtools.bus.processes import PROC, network_counter
-from lcmtools.bus.sockets import joined, sockets_are_known
-from lcmtools.bus.url import BusUrl, choose_url, misread_options
-from lcmtools.doctor.evidence import Host
-from lcmtools.errors import LcmtoolsError
-
-if TYPE_CHECKING:
-    from lcmtools.doctor.firewall import Traffic
-
-import select
-
 from lcmtools.bus.multicast import (
     check_multicast,
     check_route,
@@ -39,8 +28,16 @@ from lcmtools.bus.multicast import (
     receiving_socket,
     sending_socket,
 )
-from lcmtools.errors import BusError
+from lcmtools.bus.network_watch import route_interface
+from lcmtools.bus.processes import PROC, network_counter
+from lcmtools.bus.sockets import joined, sockets_are_known
+from lcmtools.bus.url import BusUrl, choose_url, misread_options
+from lcmtools.doctor.evidence import Host
+from lcmtools.errors import BusError, LcmtoolsError
 from lcmtools.wire.datagram import fragments
+
+if TYPE_CHECKING:
+    from lcmtools.doctor.firewall import Traffic
 
 _NET = Path("/sys/class/net")
 _UP, _RUNNING, _MULTICAST = 0x1, 0x40, 0x1000  # linux/if.h
@@ -50,7 +47,11 @@ _TYPE_PACKAGES = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")
 _UFW = Path("/etc/ufw/ufw.conf")
 _FIREWALLD = Path("/run/firewalld.pid")
 _READERS = {"nftables": ("nft", "list", "ruleset"), "iptables": ("iptables-save",)}
-_TIMEOUT = 2.0  # [s]
+_TIMEOUT = 2.0  # [s] for a command
+LARGE_BYTES = 300_000  # the size of the large message: five datagrams, as an image
+_CHANNEL = "/_lcmtools/self_test"
+_ARRIVAL_TIME = 0.5  # [s] for one datagram, which takes well under a millisecond
+_LARGEST_DATAGRAM = 65_535  # bytes
 
 
 def host(url: BusUrl, environment: Mapping[str, str]) -> Host:
@@ -231,12 +232,6 @@ def _number(file: Path) -> int:
     return 0
 
 
-LARGE_BYTES = 300_000  # the size of the large message: five datagrams, as an image
-_CHANNEL = "/_lcmtools/self_test"
-_TIMEOUT = 0.5  # [s] for one datagram, which takes well under a millisecond
-_LARGEST_DATAGRAM = 65_535  # bytes
-
-
 def large_problem(url: BusUrl) -> str:
     """Return the reason why a large message does not come back to this computer; "" if it does.
 
@@ -256,7 +251,7 @@ def large_problem(url: BusUrl) -> str:
             parts = list(fragments(0, _CHANNEL, bytes(LARGE_BYTES)))
             for number, part in enumerate(parts, start=1):
                 sender.sendto(part, address)
-                has_come = select.select([receiver], [], [], _TIMEOUT)[0]
+                has_come = select.select([receiver], [], [], _ARRIVAL_TIME)[0]
                 if not has_come or receiver.recv(_LARGEST_DATAGRAM) != part:
                     return f"part {number} of {len(parts)}, {len(part)} bytes, is lost"
     except BusError as error:
