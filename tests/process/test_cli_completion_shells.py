@@ -73,7 +73,12 @@ class Terminal:
 
     def _run(self, *arguments):
         ended = subprocess.run(
-            [*self._tmux, *arguments], capture_output=True, text=True, timeout=40, check=False
+            [*self._tmux, *arguments],
+            capture_output=True,
+            text=True,
+            timeout=40,
+            check=False,
+            env={**os.environ, "SHELL": "/bin/sh"},  # without one tmux takes the user's: nologin
         )
         return ended.stdout
 
