@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, islice
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from lcmtools.doctor.findings import Part, Statement, Subject, state, subject
 from lcmtools.doctor.renaming import (
@@ -37,6 +37,7 @@ CONNECTIONS = {
     **REMAPS,
     "plain-channel": "in {node}, subscribe to {channel} with plain_channel=True,"
     " in C++ to plain_channel({channel})",
+    "subscribe": "let {node} subscribe to {channel}",
     "change-type": "{publisher} publishes {topic}, but as {type}, and {node} expects {expected}",
 }
 """The sentences of remedies that connect a subscription."""
@@ -192,10 +193,11 @@ class _Candidate:
             remap_argument(self.publisher, self.topic),
         )
         if self.of_simulator or (arguments[0] and not arguments[1]):
-            remedy = start_with(self.node, self.wanted, _as_seen_by(self.node, self.topic))
-        else:
-            target = _as_seen_by(self.publisher, self.wanted)
-            remedy = publish_on(self.publisher, self.topic, target)
+            return start_with(self.node, self.wanted, _as_seen_by(self.node, self.topic))
+        target = _as_seen_by(self.publisher, self.wanted)
+        return publish_on(self.publisher, self.topic, target)
+
+    def of_one_type(self, remedy: Statement) -> Statement:
         reason = "same-type" if self.of_simulator else "no-subscriber"
         return give_reason(remedy, reason, channel=self.topic)
 
@@ -210,7 +212,12 @@ def _as_seen_by(node: Node, topic: str) -> str:
     return base_name_of(topic) if own == namespace_of(topic) else topic
 
 
+_Test: TypeAlias = Callable[[_Candidate], object]
+_Remedy: TypeAlias = Callable[[_Candidate], Statement]
+_Reason: TypeAlias = Callable[[_Candidate, Statement], Statement]
+
 _NO_NODE = Node("", "", "", 0)
+_OTHER_END = Node("/_meant/node", "", "", 0)  # which is right
 
 
 def _would_be_applied(c: _Candidate) -> bool:
@@ -238,44 +245,88 @@ def _is_foreign_slip(c: _Candidate) -> bool:
     return c.is_near and c.is_in_vain and is_legal(c.topic) and not c.is_of_node
 
 
-_ROWS: tuple[tuple[Callable[[_Candidate], object], Callable[[_Candidate], Statement]], ...] = (
-    (_would_be_applied, lambda c: c.published(remove_slash(c.node, c.wanted))),
-    (_would_be_applied_there, lambda c: c.publishes(remove_slash(c.publisher, c.topic))),
-    (_is_inside, lambda c: c.published(c.take_it())),
+_ROWS: tuple[tuple[_Test, _Remedy, _Reason], ...] = (
+    (
+        # a plain channel is not remapped
+        lambda c: c.is_meant and is_legal(c.topic) and not is_legal(c.wanted),
+        lambda c: state("subscribe", node=c.node, channel=c.topic),
+        _Candidate.published,
+    ),
+    (_would_be_applied, lambda c: remove_slash(c.node, c.wanted), _Candidate.published),
+    (_would_be_applied_there, lambda c: remove_slash(c.publisher, c.topic), _Candidate.publishes),
+    (_is_inside, _Candidate.take_it, _Candidate.published),
     (
         _is_elsewhere,
-        lambda c: c.published(state("namespace", node=c.node, namespace=namespace_of(c.topic))),
+        lambda c: state("namespace", node=c.node, namespace=namespace_of(c.topic)),
+        _Candidate.published,
     ),
     (
         lambda c: c.is_meant and c.is_slip(),
-        lambda c: c.publishes(publish_on(c.publisher, c.topic, c.wanted)),
+        lambda c: publish_on(c.publisher, c.topic, c.wanted),
+        _Candidate.publishes,
     ),
     (
         lambda c: c.is_meant and _is_foreign_slip(c),
-        lambda c: c.published(c.take_it(), or_publish_on=c.wanted),
+        _Candidate.take_it,
+        lambda c, remedy: c.published(remedy, or_publish_on=c.wanted),
     ),
     (
         lambda c: c.is_meant and is_legal(c.topic) and (c.is_near or c.of_simulator),
-        lambda c: c.published(c.take_it()),
+        _Candidate.take_it,
+        _Candidate.published,
     ),
     (
         lambda c: c.is_meant and is_plain(c.topic) and c.is_of_own_code(),
-        lambda c: c.published(state("plain-channel", node=c.node, channel=c.topic)),
+        lambda c: state("plain-channel", node=c.node, channel=c.topic),
+        _Candidate.published,
     ),
-    (lambda c: c.is_meant, lambda c: c.published(state("republish", topic=c.wanted))),
+    (lambda c: c.is_meant, lambda c: state("republish", topic=c.wanted), _Candidate.published),
     (
         lambda c: c.fits and c.is_before_remap(),
-        lambda c: c.published(
-            state("drop-remap", node=c.node, argument=remap_argument(c.node, c.wanted))
-        ),
+        lambda c: state("drop-remap", node=c.node, argument=remap_argument(c.node, c.wanted)),
+        _Candidate.published,
     ),
-    (lambda c: c.is_spare and not (c.of_simulator and c.for_simulator), _Candidate.connect),
+    (
+        lambda c: c.is_spare and not (c.of_simulator and c.for_simulator),
+        _Candidate.connect,
+        _Candidate.of_one_type,
+    ),
     (
         lambda c: c.differs and c.types and (c.is_same_base or c.is_near),
         _Candidate.change_type,
+        lambda _, remedy: remedy,  # says it itself
     ),
 )
-"""The kinds of mistakes, the likeliest first, with their remedies: the first match decides."""
+"""The kinds of mistakes, the likeliest first, with remedy and reason: the first match decides."""
+
+
+def renaming(
+    node: Node, topic: str, target: str, *, publishes: bool, is_misplaced: bool
+) -> Statement:
+    """Return what gives a node's topic the name that is known to be meant, without a reason.
+
+    ``is_misplaced`` means that the node ought to be in another namespace.
+    """
+    publisher = node if publishes else _OTHER_END
+    c = _Candidate(
+        _OTHER_END if publishes else node,
+        wanted=target if publishes else topic,
+        expected="",
+        topic=topic if publishes else target,
+        publisher=publisher,
+        sender=subject(publisher),
+        types=(),
+        fits=True,
+        differs=False,
+        is_same_base=base_name_of(topic) == base_name_of(target),
+        is_near=True,
+        is_misplaced=is_misplaced and not publishes,
+        is_in_vain=True,
+        is_spare=False,
+        of_simulator=not publishes,
+        for_simulator=publishes,
+    )
+    return next(remedy(c) for condition, remedy, _ in _ROWS if condition(c))
 
 
 class ConnectionFinder:
@@ -365,13 +416,13 @@ class ConnectionFinder:
     def _likeliest(self, node: Node, end: Endpoint) -> list[Suggestion]:
         """Return the suggestions of the most likely kind of mistake."""
         candidates = list(self._candidates(node, end))
-        for condition, remedy in _ROWS:
+        for condition, remedy, reason in _ROWS:
             if found := list(islice(filter(condition, candidates), _MOST_SUGGESTIONS)):
                 # of outputs that have only the type in common, none is more likely
                 chosen = found if remedy is _Candidate.connect else found[:1]
                 return [
                     Suggestion(
-                        _with_alternatives(remedy(c), found),
+                        _with_alternatives(reason(c, remedy(c)), found),
                         *(node.id, c.topic, c.publisher.id, end.topic),
                     )
                     for c in chosen

@@ -9,7 +9,9 @@ import re
 import signal
 from collections.abc import Mapping, Sequence
 
-from lcmtools.doctor.renaming import resembles, unapplied_remap
+from lcmtools.doctor.connecting import renaming
+from lcmtools.doctor.renaming import resembles
+from lcmtools.doctor.sentences import remedy_text
 from lcmtools.graph.model import Node
 from lcmtools.labs.catalogue import LabProgram
 from lcmtools.labs.checks.observations import (
@@ -21,7 +23,7 @@ from lcmtools.labs.checks.observations import (
 )
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.messages.registry import Message
-from lcmtools.names import base_name_of, namespace_of
+from lcmtools.names import namespace_of
 from lcmtools.packages.runnable_nodes import in_place_of_ros
 from lcmtools.types.geometry_msgs import Twist
 
@@ -61,6 +63,17 @@ _SLIPS = (
     ),
 )
 """Errors that come of the printed texts of the labs, and what to write instead."""
+_RENAMINGS = {
+    "drop-remap": "start it without {argument}",
+    "namespace": "start it with __ns:={namespace}",
+    "remap": "change the name in it, or start it with {old}:={new}",
+    "remove-slash": "it begins with /, so __ns:={namespace} does not apply: write '{name}'",
+    "remove-slash-of-remap": "it begins with /, so {argument} does not apply: write '{name}'",
+    "replace-remap": "start it with {old}:={new} in place of {argument}",
+    "republish": "let it publish on '{topic}'",
+    "subscribe": "let it subscribe to {channel}",
+}
+"""The remedies of ``doctor.connecting`` in the words of a lab."""
 _NO_SPIN = "does it call spin(node), or spin_once often?"
 
 
@@ -205,7 +218,7 @@ def _elsewhere(look: BusLook, program: LabProgram) -> Cause | None:
     return Cause(
         TOPIC,
         f"it publishes on {other.topic}, and not on {target}:"
-        f" {_renaming(look, program, other.topic, target)}",
+        f" {_renaming(look, program, other.topic, target, publishes=True)}",
     )
 
 
@@ -226,7 +239,7 @@ def _not_hearing(look: BusLook, program: LabProgram) -> Cause | None:
         if not others:
             return Cause(UNSUBSCRIBED, f"it does not subscribe to {topic}")
         other = (near or others)[0]
-        remedy = _renaming(look, program, other, topic)
+        remedy = _renaming(look, program, other, topic, publishes=False)
         return Cause(SUBSCRIPTION, f"it subscribes to {other}, and not to {topic}: {remedy}")
     return None
 
@@ -249,30 +262,16 @@ def _is_near(topic: str, wanted: Sequence[str]) -> bool:
     return any(resembles(topic, name) for name in wanted)
 
 
-def _renaming(look: BusLook, program: LabProgram, old: str, new: str) -> str:
-    """Return the remedy for a topic that the program names wrongly."""
-    spaces = {namespace_of(name) for name in look.nodes}
-    (space,) = spaces if len(spaces) == 1 else ("",)
-    name = new.removeprefix(f"{space}/")
-    if space not in ("", "/") and name != new and not old.startswith(f"{space}/"):
-        return _without_slash(program, space, old, name)
-    given = f"__ns:={namespace_of(new)}"
-    if space == "/" and given in program.arguments and base_name_of(old) == base_name_of(new):
-        return f"start it with {given}"
-    if spaces == {namespace_of(old)} == {namespace_of(new)}:
-        old, new = base_name_of(old), base_name_of(new)
-    return f"change the name in it, or start it with {old}:={new}"
-
-
-def _without_slash(program: LabProgram, space: str, topic: str, name: str) -> str:
-    """Return the remedy for a name that begins with "/" in a program with a namespace."""
-    node = Node(f"{space}/node", "", "", 0, command=" ".join(program.arguments))
-    remap, _ = unapplied_remap(node, topic)
-    given = (
-        f"neither __ns:={space} nor {remap} applies" if remap else f"__ns:={space} does not apply"
-    )
-    name = topic[1:] if remap else name
-    return f"it begins with /, so {given}: write '{name}'"
+def _renaming(look: BusLook, program: LabProgram, old: str, new: str, *, publishes: bool) -> str:
+    """Return the remedy for a topic that the program names wrongly, by the table of wtf."""
+    if not look.nodes:  # a program without lcmtools has no remaps
+        return "change the name in it"
+    names = sorted(look.nodes, key=lambda name: namespace_of(name) != namespace_of(new))
+    node = Node(names[0], "", "", 0, command=" ".join(program.arguments))
+    here = namespace_of(node.name)
+    is_misplaced = here == namespace_of(old) and f"__ns:={namespace_of(new)}" in program.arguments
+    remedy = renaming(node, old, new, publishes=publishes, is_misplaced=is_misplaced)
+    return remedy_text(remedy.worded(_RENAMINGS))
 
 
 def misplaced(twist: Twist) -> Cause | None:

@@ -136,7 +136,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file():
         (
             {"look": replace(WELL, publications=[Wire("/husky0/velocty_cmd", OUTPUT.type)])},
             "topic",
-            "start it with velocty_cmd:=velocity_cmd",
+            "start it with velocty_cmd:=/husky0/velocity_cmd",
         ),
         (
             {"look": replace(WELL, publications=[replace(OUTPUT, type="std_msgs/String")])},
@@ -151,7 +151,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file():
         (
             {"look": replace(WELL, publications=[Wire("/controlled_velocity", OUTPUT.type)])},
             "topic",
-            "neither __ns:=/husky0 nor controlled_velocity:=velocity_cmd applies: write 'contr",
+            "it begins with /, so controlled_velocity:=velocity_cmd does not apply: write 'contr",
         ),
         (
             {"look": replace(WELL, publications=[Wire("/velocity_cmd", OUTPUT.type)])},
@@ -167,6 +167,25 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file():
             {"look": replace(WELL, nodes=["/a/c"], subscriptions=[Wire("/odometry"), INPUTS[1]])},
             "subscription",
             "change the name in it, or start it with /odometry:=/husky0/odometry",
+        ),
+        (
+            {
+                "look": replace(
+                    WELL, nodes=["/c"], publications=[Wire("/velocity_cmd", OUTPUT.type)]
+                )
+            },
+            "topic",
+            "not on /husky0/velocity_cmd: start it with __ns:=/husky0",
+        ),
+        (
+            {"look": replace(WELL, subscriptions=[Wire("odometry"), INPUTS[1]])},
+            "subscription",
+            "it subscribes to odometry, and not to /husky0/odometry: let it subscribe to /husky0/",
+        ),
+        (
+            {"look": BusLook([], [Wire("velocity_cmd", OUTPUT.type)])},
+            "topic",
+            "it publishes on velocity_cmd, and not on /husky0/velocity_cmd: change the name in it",
         ),
         (
             {"look": replace(WELL, subscriptions=INPUTS[:1])},
