@@ -1,8 +1,10 @@
 """Where multicast does not work: found out at once, with the line to type."""
 
+import itertools
 import socket
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import ClassVar
 
 import pytest
@@ -107,6 +109,12 @@ def test_a_port_that_a_program_keeps_for_itself_is_named():
         with pytest.raises(BusError, match="not share it") as caught:
             check_multicast(_URL)
     assert "ss -ulnp 'sport = :7667'" in caught.value.hint
+
+
+def test_a_datagram_that_is_there_counts_although_the_computer_stood_still(bus_url, monkeypatch):
+    stalling = SimpleNamespace(monotonic=itertools.count(0.0, 10.0).__next__)
+    monkeypatch.setattr("lcmtools.bus.multicast.time", stalling)
+    check_multicast(parse_url(bus_url))
 
 
 def test_the_check_leaves_no_open_file(bus_url):
