@@ -2,7 +2,7 @@
 
 from lcmtools.bag.compare import differences
 from lcmtools.bag.contract import breaches, read_contract
-from lcmtools.cli.bag.common import notify_damage, summary_of
+from lcmtools.cli.bag.common import notify_damage, told_summary_of
 from lcmtools.cli.declare import argument, examples, flag, option, subcommand
 from lcmtools.cli.options import json_option
 from lcmtools.cli.output import write_document, write_lines, write_result
@@ -26,7 +26,7 @@ def check(file: str, *, against: str, as_json: bool) -> int:
     and min_messages.
     """
     contract = read_contract(against)
-    found = list(breaches(contract, summary_of(file)))
+    found = list(breaches(contract, told_summary_of(file)))
     place = [f" ({against}:{one.line})" if one.line else "" for one in found]
     rows = [
         f"FAIL {one.topic + ': ' if one.topic else ''}{one.text}{where}"
@@ -62,7 +62,7 @@ def diff(first: str, second: str, *, ignore_times: bool, as_json: bool) -> int:
 @argument("file", metavar="FILE", completer="files")
 def du(file: str, *, as_json: bool) -> None:
     """Show the topics that take the most space in a log, largest first."""
-    summary = summary_of(file)
+    summary = told_summary_of(file)
     topics = sorted(summary.topics, key=lambda topic: (-topic.bytes, topic.name))
     if as_json:
         write_document([{"topic": one.name, "bytes": one.bytes} for one in topics])

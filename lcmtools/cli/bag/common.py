@@ -14,7 +14,7 @@ from lcmtools.cli.declare import CommandT, argument, flag, option, together
 from lcmtools.cli.options import json_option, log_time
 from lcmtools.cli.output import progress, results_beside, write_result
 from lcmtools.errors import UsageError
-from lcmtools.observe.reading.log_file import LogFile
+from lcmtools.observe.reading.log_file import LogFile, lost_bytes_text
 from lcmtools.observe.reports.describe import size_text
 from lcmtools.text_table import plural
 from lcmtools.wire.packet import Packet
@@ -82,6 +82,14 @@ def summary_of(file: str) -> LogSummary:
     """Return the summary of a log. Show progress if the log must be read."""
     with LogFile(file) as log, progress(f"reading {file}", log.size) as report:
         return summarize(log, report)
+
+
+def told_summary_of(file: str) -> LogSummary:
+    """Return the same, and write a note if bytes of the log belong to no message."""
+    summary = summary_of(file)
+    if damage := lost_bytes_text(file, summary.damaged):
+        notify(damage)
+    return summary
 
 
 def topic_choice(log: LogFile, wanted: tuple[str, ...], excluded: tuple[str, ...]) -> TopicChoice:

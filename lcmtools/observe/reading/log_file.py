@@ -127,10 +127,7 @@ class LogFile(AbstractContextManager["LogFile"]):
             known = sum(event.end - event.start for event in self.events())
         else:
             known = sum(block.event_bytes for block in blocks)
-        if known >= self.size:
-            return ""
-        what = f"{size_text(self.size - known)} of {self.path} do not belong to any message"
-        return f"{what}; lcmtools bag fix shows where"
+        return lost_bytes_text(self.path, max(0, self.size - known))
 
     def announcements(self) -> Iterator[Packet]:
         """Yield the announcements of nodes in the index."""
@@ -295,3 +292,9 @@ def _fitting(index: LogIndex | None, data: "bytes | mmap.mmap") -> LogIndex:
     checked = index.blocks[:: len(index.blocks) // _MOST_CHECKED + 1]
     is_of_these = all(data[block.start : block.start + len(SYNC)] == SYNC for block in checked)
     return index if is_of_these else LogIndex()
+
+
+def lost_bytes_text(path: str | Path, lost: int) -> str:
+    """Return a sentence on the bytes of a log that belong to no message; "" if there are none."""
+    what = f"{size_text(lost)} of {path} do not belong to any message"
+    return f"{what}; lcmtools bag fix shows where" if lost else ""

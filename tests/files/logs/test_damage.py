@@ -124,12 +124,15 @@ def test_a_log_in_a_payload_stays_one_message():
         "bag merge {log} {log} -o {log}.made",
         "bag cut {log} {log}.made",
         "bag diff {log} {log}",
+        "bag du {log}",
+        "bag check {log} --against {log}.contract",
     ],
 )
 def test_a_command_that_reads_a_whole_log_tells_of_damage(cli, tmp_path, command, lost):
     path = tmp_path / "a.lcmlog"
     stamped = encode_event(3, Packet("/stamped", encode(PointStamped()), 1_795_000_003 * 10**9))
     path.write_bytes(stamped + WHOLE[: len(WHOLE) - lost])
+    (tmp_path / "a.lcmlog.contract").write_text("topics: {/stamped: {}}")
     result = cli(*command.format(log=path).split())
     assert result.code == 0
     assert ("do not belong to any message; lcmtools bag fix" in result.err) == bool(lost)
