@@ -213,5 +213,5 @@ def expanded(name: str, node: Node) -> str:
 
 
 def inside(node: Node, topic: str) -> str:
-    """Return a topic as it is in a node's namespace without the slash at its start; "" for others."""
+    """Return a topic as it is in a node's namespace without its first slash; "" if it has none."""
     return expanded(topic.lstrip("/"), node) if topic.startswith("/") else ""
