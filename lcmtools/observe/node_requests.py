@@ -3,7 +3,7 @@
 import os
 import socket
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from lcmtools.bounded import BoundedDict
@@ -164,14 +164,7 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
         UsageError: The word is empty.
         LcmtoolsError: There is none, there are several, or it has ended or is not a node.
     """
-    try:
-        found = find_nodes(graph, word)
-    except UsageError:
-        raise
-    except LcmtoolsError:
-        if others := find_programs(monitor, word):
-            raise _not_a_node(others[0], word) from None
-        raise
+    found = nodes_named(monitor, graph, word, _cannot_be_ended)
     if found[0].path:
         what = f"{found[0].name} is on another bus and cannot be shut down from here"
         raise LcmtoolsError(what, f"end it there: it is on {behind_text(found[0])}")
@@ -184,6 +177,32 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
             "lcmtools node cleanup forgets it",
         )
     return found[0]
+
+
+def node_to_ping(monitor: BusMonitor, graph: Graph, word: str) -> Node:
+    """Return the first node that a name or a pid means.
+
+    Raises:
+        UsageError: The word is empty.
+        LcmtoolsError: There is none, nodes of different names match, or it is not a node.
+    """
+    return nodes_named(monitor, graph, word, _answers_no_ping)[0]
+
+
+def nodes_named(
+    monitor: BusMonitor, graph: Graph, word: str, refuse: Callable[[str, Program], LcmtoolsError]
+) -> list[Node]:
+    """Return what ``find_nodes`` does; for a program that is not a node, raise what is returned."""
+    try:
+        return find_nodes(graph, word)
+    except UsageError:
+        raise
+    except LcmtoolsError:
+        if others := find_programs(monitor, word):
+            program = others[0]
+            of = program.process and f"{program.process.command} (pid {program.process.pid})"
+            raise refuse(f"{of or f'the program at {word}'} is not a node", program) from None
+        raise
 
 
 def find_programs(monitor: BusMonitor, word: str) -> list[Program]:
@@ -244,10 +263,11 @@ def _distinction(nodes: Sequence[Node]) -> str:
     return f"write HOST:PID: {', '.join(places)}"
 
 
-def _not_a_node(program: Program, word: str) -> LcmtoolsError:
-    if program.process is None:
-        what = f"the program at {word} is not a node and cannot be shut down"
-        return LcmtoolsError(what, "end it on its computer")
-    pid = program.process.pid
-    what = f"{program.process.command} (pid {pid}) is not a node and cannot be shut down"
-    return LcmtoolsError(what, f"type: kill {pid}")
+def _cannot_be_ended(what: str, program: Program) -> LcmtoolsError:
+    hint = f"type: kill {program.process.pid}" if program.process else "end it on its computer"
+    return LcmtoolsError(f"{what} and cannot be shut down", hint)
+
+
+def _answers_no_ping(what: str, program: Program) -> LcmtoolsError:
+    hint = f"lcmtools node info {program_place(program)} shows what is seen of it"
+    return LcmtoolsError(f"{what} and answers no ping", hint)

@@ -148,6 +148,11 @@ def test_a_program_that_is_no_node_is_left_alone(start, cli, lcm_program):
         program = f"{lcm_program('lcm-source')} -m EXAMPLE (pid {source.pid})"
         parts = (program, "not a node", f"; type: kill {source.pid}\n")
         assert_line(result.err, "lcmtools node kill: ", *parts)
+        answer = cli("node", "ping", word)
+        assert answer.code == 1
+        place = f"{socket.gethostname()}:{source.pid}"
+        parts = (program, "not a node and answers no ping", f"; lcmtools node info {place} shows")
+        assert_line(answer.err, "lcmtools node ping: ", *parts)
     os.kill(source.pid, 0)
 
 

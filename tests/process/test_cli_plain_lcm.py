@@ -4,6 +4,7 @@ import re
 import sys
 
 import pytest
+from fixtures.says import assert_line
 
 # What a user of lcm-gen writes: his own class, his own channel. EMPTY and NOISE are no LCM types.
 _PLAIN = """
@@ -20,6 +21,16 @@ while True:
     bus.publish("NOISE", bytes(range(200)))
     print("sent", flush=True)
     time.sleep(0.05)
+"""
+
+_TAKER = """
+import lcm
+bus = lcm.LCM()
+bus.subscribe("COMMAND", print)
+bus.fileno()
+print("listening", flush=True)
+while True:
+    bus.handle()
 """
 
 on_the_modules_bus = pytest.mark.usefixtures("use_module_bus", "programs")
@@ -57,6 +68,15 @@ def test_info_names_the_process_behind_the_channel(cli, programs):
     assert rows[0] == "Type: unknown type"
     assert rows[1].startswith("Fingerprint: ")
     assert not rows[2]
+
+
+def test_info_names_the_programs_that_may_receive_an_unknown_channel(cli, start_python, bus_url):
+    env = {"LCM_DEFAULT_URL": bus_url}
+    taker = start_python(_TAKER, **env)
+    taker.wait_for("listening")
+    told = f"on which channels these listen is not seen: script_0.py (pid {taker.pid})"
+    result = cli("info", "COMMAND", env=env)
+    assert_line(result.err, "lcmtools info: unknown topic /COMMAND; ", told)
 
 
 @on_the_modules_bus

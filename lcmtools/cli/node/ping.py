@@ -10,8 +10,7 @@ from lcmtools.cli.options import asking_options, json_option, timeout_option
 from lcmtools.cli.output import write_data, write_document, write_lines, write_note
 from lcmtools.errors import NothingReceived, UsageError
 from lcmtools.graph.model import Node
-from lcmtools.observe.node_requests import ping, pings
-from lcmtools.observe.reading.find import find_node
+from lcmtools.observe.node_requests import node_to_ping, ping, pings
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reports.node_report import ping_reply, ping_summary
 from lcmtools.text_table import plural
@@ -40,7 +39,8 @@ def command(
         if node is None:
             nodes = [one for one in graph.nodes if not one.is_hidden]
             return _ping_all(monitor, nodes, timeout, as_json=as_json)
-        _ping_one(monitor, find_node(graph, in_names(node)), count, timeout, as_json=as_json)
+        found = node_to_ping(monitor, graph, in_names(node))
+        _ping_one(monitor, found, count, timeout, as_json=as_json)
     return 0
 
 

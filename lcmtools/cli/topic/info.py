@@ -20,6 +20,7 @@ from lcmtools.observe.reports.describe import (
     topic_kinds,
     types_record,
 )
+from lcmtools.observe.reports.program_report import listeners_text
 
 
 @subcommand("info", json_option, looking_options)
@@ -39,7 +40,11 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     with open_monitor("info") as monitor:
         from lcmtools.observe.reading.senders import listening_programs
 
-        graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
+        try:
+            graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
+        except LcmtoolsError as error:
+            listeners = listening_programs(monitor.graph(), monitor.url)
+            raise _perhaps_received(error, listeners_text(listeners)) from None
         listeners = listening_programs(graph, monitor.url)
     found = selected_topics(graph, topics, names)
     if as_json:
@@ -48,6 +53,12 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
     for topic in found:
         write_lines([f"Topic: {topic.name}"] if len(found) > 1 else [])
         write_lines(topic_report.rows(topic, counters, listeners, verbose=verbose))
+
+
+def _perhaps_received(error: LcmtoolsError, listeners: str) -> LcmtoolsError:
+    """Return the error for a topic that nobody publishes, with the programs that may receive it."""
+    more = f"on which channels these listen is not seen: {listeners}" if listeners else ""
+    return LcmtoolsError(error.what, "; ".join(filter(None, (error.hint, more))))
 
 
 @subcommand("type", json_option, looking_options)
