@@ -20,7 +20,7 @@ from common import Child, bus, child, isolate, parser, show
 import lcmtools
 from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.node.graph_follower import GraphFollower
 from lcmtools.types.fingerprints import FINGERPRINTS
@@ -45,7 +45,7 @@ def node(connection: Connection, asks: str, url: str) -> None:
         # what it would find where there are no filters
         GraphFollower._open_socket = lambda _: None  # type: ignore[method-assign] # noqa: SLF001
     lcmtools.init([], url=url)
-    measured = lcmtools.Node("measured", namespace="/robot0")
+    measured = lcmtools.NodeInfo("measured", namespace="/robot0")
     if asks != _NEVER:
         measured.graph()
     if asks == _EACH_SECOND:
@@ -73,10 +73,10 @@ def announcements(nodes: int) -> Iterator[Announcement]:
             yield Announcement(known._replace(endpoints=_endpoints(known.name, second)))
 
 
-def _node(number: int) -> Node:
+def _node(number: int) -> NodeInfo:
     name = f"/robot{number}/simple_controller"
     command = f"/usr/bin/python3 -m robots.simple_controller __ns:=/robot{number}"
-    return Node(
+    return NodeInfo(
         name, f"{number:032x}", "computer", 1000 + number, time.time_ns(), command, ports=(50_000,)
     )
 

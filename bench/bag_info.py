@@ -13,7 +13,7 @@ from pathlib import Path
 from common import rounds_asked
 
 from lcmtools.bag.summary import summarize
-from lcmtools.bag.summary_report import rows
+from lcmtools.bag.summary_report import to_lines
 from lcmtools.bag.writer import LogWriter
 from lcmtools.observe.reading.log_file import LogFile, index_path
 from lcmtools.wire import log_index
@@ -47,7 +47,7 @@ def info(path: Path) -> None:
     """Do what `bag info` does, but for printing."""
     with LogFile(path) as log:
         summary = summarize(log)
-        rows(summary)
+        to_lines(summary)
 
 
 def timed(work: Callable[[], object]) -> float:

@@ -12,7 +12,7 @@ from itertools import product
 from lcmtools.doctor.evidence import Evidence, Listener, SenderFacts, Stream
 from lcmtools.doctor.report import text
 from lcmtools.doctor.rules import RULES, examine
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.wire.packet import Sender
 
@@ -27,7 +27,7 @@ def endpoint(topic: str, role: Role) -> Endpoint:
     return Endpoint(topic, role, (TYPE,), (number,), "", depth, 5000, 50, 0, NOW, 5000, 9, 9)
 
 
-def robot(number: int, space: str) -> list[Node]:
+def robot(number: int, space: str) -> list[NodeInfo]:
     """A driver with sensors, and a controller that misses some of its topics."""
     sensors = [endpoint(f"/robot{number}/sensor{n}", Role.PUBLISHER) for n in range(7)]
     driver = (*sensors, endpoint(f"/robot{number}/velocity_cmd", Role.SUBSCRIBER))
@@ -37,7 +37,7 @@ def robot(number: int, space: str) -> list[Node]:
         endpoint(f"{space}/velocity_command", Role.PUBLISHER),
     )
     return [
-        Node(f"{where}/{name}", f"{name}{number}", "here", number + start, NOW - 100 * SECOND,
+        NodeInfo(f"{where}/{name}", f"{name}{number}", "here", number + start, NOW - 100 * SECOND,
              f"run {name}", endpoints=ends, sender=Sender("10.0.0.1", number + start), sent=NOW)
         for where, name, start, ends in (
             (f"/robot{number}", "driver", 1000, driver), (space, "controller", 2000, controller))
@@ -76,7 +76,7 @@ def evidence(*, lost: bool, plain: bool) -> Evidence:
 def one_node(count: int) -> Evidence:
     """A node with so many publishers and subscriptions."""
     ends = tuple(endpoint(f"/big/topic{n}", Role(n % 2)) for n in range(count))
-    node = Node("/big/node", "b", "here", 1, NOW - 100 * SECOND, endpoints=ends, sent=NOW)
+    node = NodeInfo("/big/node", "b", "here", 1, NOW - 100 * SECOND, endpoints=ends, sent=NOW)
     graph = Graph((node,), (), NOW)
     return replace(evidence(lost=False, plain=False), graph=graph, before=graph, streams=())
 

@@ -17,7 +17,7 @@ from lcmtools.folders import home_folder, read_text
 from lcmtools.names import check_legal, did_you_mean
 
 if TYPE_CHECKING:
-    from lcmtools.formats.strict_yaml import Node
+    from lcmtools.formats.strict_yaml import YamlNode
 
 COLORS = ("auto", "always", "never")
 
@@ -176,7 +176,7 @@ def _read(path: Path, modified: int, size: int) -> UserFile:
     return UserFile(path, {name: text for name, text in values.items() if text}, lines)
 
 
-def _text(path: Path, name: str, node: "Node") -> str:
+def _text(path: Path, name: str, node: "YamlNode") -> str:
     """Return a setting's text, checked by the setting's own rule instead of YAML's types."""
     where = f"{path}:{node.key_line}"
     if name not in SETTINGS:

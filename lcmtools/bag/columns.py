@@ -14,9 +14,9 @@ from math import prod
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcmtools.errors import DecodeError
+from lcmtools.messages.array_codec import FORMATS, Cursor, Malformed
 from lcmtools.messages.fields import Field, fields, holds_itself, visible_fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.messages.rows import FORMATS, Cursor, Malformed
 
 if TYPE_CHECKING:
     import numpy as np

@@ -75,7 +75,7 @@ class Breach:
     text: str
     line: int  # of the contract; 0 for none
 
-    def record(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, object]:
         """Return the breach for JSON."""
         return {"topic": self.topic or None, "text": self.text, "line": self.line or None}
 

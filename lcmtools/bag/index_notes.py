@@ -14,7 +14,7 @@ from lcmtools.bag.writer import LogWriter
 from lcmtools.bounded import BoundedDict
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import MOST_FINGERPRINTS, MOST_FLOWS, MOST_NODES
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Graph, NodeInfo, Role
 from lcmtools.graph.protocol import decode_announcement, head_of
 from lcmtools.messages.enums import EnumType, enum_name
 from lcmtools.messages.fields import fields, parts
@@ -79,7 +79,7 @@ class IndexNotes:
         self._named = BoundedDict[Sender, str](MOST_FLOWS)
         # The last announcement of each node by its id, and the nodes that have ended.
         self._nodes = BoundedDict[str, Packet](MOST_NODES, _MOST_NODE_BYTES)
-        self._left = BoundedDict[str, Node](MOST_NODES, _MOST_NODE_BYTES)
+        self._left = BoundedDict[str, NodeInfo](MOST_NODES, _MOST_NODE_BYTES)
         self._revisions = BoundedDict[bytes, bytes](MOST_NODES, _MOST_NODE_BYTES)
         self._types: dict[tuple[str, int], RecordedType] = {}
         # The fingerprints that have occurred, on each channel and in all.
@@ -251,7 +251,7 @@ class IndexNotes:
                 writer.rename_sender(number, sender, name)
 
     def _identify(
-        self, senders: list[Sender | None], nodes: tuple[Node, ...], packets: list[Packet]
+        self, senders: list[Sender | None], nodes: tuple[NodeInfo, ...], packets: list[Packet]
     ) -> list[RecordedType]:
         """Return the types of packets, and learn the names of senders; on the worker's thread."""
         self._names.update(senders, nodes)

@@ -16,7 +16,7 @@ class Damage:
     after: int | None  # time of the message before; None if there is none
     before: int | None  # time of the message after
 
-    def record(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, object]:
         """Return the range for JSON."""
         names = ("start", "end", "after", "before")
         return {name: getattr(self, name) for name in names}

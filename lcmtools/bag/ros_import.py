@@ -29,7 +29,7 @@ from lcmtools.bag.ros_definitions import (
 from lcmtools.bag.ros_reading import Channel, bag_messages
 from lcmtools.bag.ros_types import Conversion, RosTypes, ros_distributions, ros_name, ros_store
 from lcmtools.errors import InvalidFile, LcmtoolsError, MissingExtra, UnknownType
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.fields import parts as message_parts
 from lcmtools.messages.registry import (
@@ -86,12 +86,12 @@ class ImportReport:
             for (topic, name), (count, example) in self.changed.items()
         ]
 
-    def rows(self) -> list[str]:
+    def to_lines(self) -> list[str]:
         """Return all of it in sentences."""
         renamed = [f"{name} is called {ours} in LCM" for name, ours in self.renamed.items()]
         return [*self.losses(), *self.changes(), *renamed]
 
-    def record(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, object]:
         """Return all of it for JSON."""
         return {"left_out": self.losses(), "changed": self.changes(), "renamed": self.renamed}
 
@@ -145,7 +145,7 @@ class RosImport:
         """Yield the announcement of a node that latches what the bags say was latched."""
         ends = tuple(Endpoint(one, Role.PUBLISHER, latched=True) for one in self._latched)
         if ends:
-            node = Node("/bag_import", "bag_import", "", 0, endpoints=ends)
+            node = NodeInfo("/bag_import", "bag_import", "", 0, endpoints=ends)
             said = encode_announcement(Announcement(node))
             yield RecordedNode(min(self._latched.values()), -1, said)
 

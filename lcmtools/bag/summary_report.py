@@ -33,13 +33,13 @@ def span_text(seconds: float) -> str:
     return f"{hours}h {minutes:02}m" if hours else f"{minutes}m {rest:02}s"
 
 
-def rows(summary: LogSummary) -> list[str]:
+def to_lines(summary: LogSummary) -> list[str]:
     """Return the lines of a log's summary, and below the table of its topics."""
     topics = ["", *text_table([_HEAD, *map(_cells, summary.topics)])] if summary.topics else []
     return [*text_table([*_facts(summary)]), *topics]
 
 
-def record(summary: LogSummary) -> dict[str, object]:
+def to_json(summary: LogSummary) -> dict[str, object]:
     """Return the same for JSON; times are nanoseconds since 1970."""
     return {
         "path": summary.path,

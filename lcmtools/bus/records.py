@@ -18,7 +18,7 @@ from pathlib import Path
 from lcmtools.bus.kernel import network_cookie, own_network, own_pid_namespace
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.url import BusUrl
-from lcmtools.graph.model import Node, Role, Staleness
+from lcmtools.graph.model import NodeInfo, Role, Staleness
 from lcmtools.graph.protocol import SOFTWARE
 
 _FOLDER = "records"  # "nodes" before version 1 of the protocol
@@ -32,7 +32,7 @@ class NodeRecords:
         every = [base / url.file_name for base in bases] if url else []
         self._folders = every or [folder for base in bases for folder in base.glob("*")]
 
-    def write(self, node: Node) -> bool:
+    def write(self, node: NodeInfo) -> bool:
         """Write a node's record, and remove those of dead nodes of its name.
 
         Return False if no folder takes it: other users' folders, or a full disk.
@@ -62,7 +62,7 @@ class NodeRecords:
             with contextlib.suppress(OSError):
                 (folder / f"{identifier}.json").unlink(missing_ok=True)
 
-    def read(self, but: Container[str] = ()) -> Iterator[Node]:
+    def read(self, but: Container[str] = ()) -> Iterator[NodeInfo]:
         """Yield the nodes with a record, each with its staleness if it does not answer.
 
         A node in another network namespace of this computer, for example in a container, is on
@@ -75,7 +75,7 @@ class NodeRecords:
                 process = process_of(pid)
                 starts = 0, record.get("start_ticks")  # 0 where the system does not show it
                 is_alive = process is not None and process.start_ticks in starts
-                yield Node(
+                yield NodeInfo(
                     name=str(record["name"]),
                     id=str(record["id"]),
                     host=str(record["host"]),
@@ -85,7 +85,7 @@ class NodeRecords:
                     stale=Staleness.HANGS if is_alive else Staleness.ENDED,
                 )
 
-    def namesake(self, node: Node) -> Node | None:
+    def namesake(self, node: NodeInfo) -> NodeInfo | None:
         """Return a node of the same name that another process of this computer runs, if any."""
         alive = (one for one in self.read() if one.stale is Staleness.HANGS)
         return next((one for one in alive if one.name == node.name and one.pid != node.pid), None)
@@ -109,9 +109,9 @@ class NodeRecords:
                         yield record
 
 
-def this_process(name: str, *, tool: bool) -> Node:
+def this_process(name: str, *, tool: bool) -> NodeInfo:
     """Return this process as a node of this name; a tool is a command that only observes."""
-    return Node(
+    return NodeInfo(
         name=name,
         id=uuid.uuid4().hex,
         host=socket.gethostname(),

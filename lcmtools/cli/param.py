@@ -19,7 +19,7 @@ from lcmtools.errors import (
     os_errors_as,
 )
 from lcmtools.folders import LARGEST, read_text, write_whole
-from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.graph.model import Graph, NodeInfo, Staleness
 from lcmtools.messages.documents import parse_values
 from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import ANY, text_of
@@ -50,7 +50,7 @@ def named(graph: Graph, node: str, *name: str) -> ParameterTarget:
     return find_target(graph, [in_names(node), *filter(None, name)])
 
 
-def living_nodes(graph: Graph, *, show_all: bool) -> list[Node]:
+def living_nodes(graph: Graph, *, show_all: bool) -> list[NodeInfo]:
     """Return the nodes with parameters, and write a note for those that run but do not answer."""
     for node in graph.nodes:
         if node.stale is Staleness.HANGS and not (node.tool or node.is_hidden):
@@ -86,7 +86,7 @@ def list_parameters(
         f"{name}/{p.name}{f' [{p.type}]' * show_types}{f': {p.value}' * show_values}"
         for name, p in found
     )
-    write_result([report.record(*one) for one in found], rows, as_json=as_json)
+    write_result([report.to_json(*one) for one in found], rows, as_json=as_json)
     if not nodes:
         write_note(f"no node with parameters on {client.url}")
     return complain_of(errors)
@@ -133,9 +133,9 @@ def describe(node: str, name: str, *, timeout: float, as_json: bool) -> None:
     full, wanted = target.node.name, target.parameter
     found = client.request(full)
     parameters = list(found.values()) if wanted is None else [pick(found, wanted, full)]
-    rows = (row for parameter in parameters for row in report.rows(full, parameter))
+    rows = (row for parameter in parameters for row in report.to_lines(full, parameter))
     write_result(
-        [report.record(full, parameter) for parameter in parameters], rows, as_json=as_json
+        [report.to_json(full, parameter) for parameter in parameters], rows, as_json=as_json
     )
 
 
@@ -219,7 +219,7 @@ def dump(words: tuple[str, ...], *, output: str | None, timeout: float, as_json:
 
 def _file_and_nodes(
     graph: Graph, words: Sequence[str], output: str | None
-) -> tuple[str | None, Sequence[Node]]:
+) -> tuple[str | None, Sequence[NodeInfo]]:
     """Return the file and the nodes. rosparam has the file first, ros2 has none."""
     files = [*([output] if output else []), *words[:-1]]
     if len(files) > 1:

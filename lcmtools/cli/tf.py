@@ -125,7 +125,7 @@ def echo(
         found = _poses(frames, (source, target), 1 / hertz, timeout)
         for now, pose, stamp in islice(found, 1 if once else count):
             if as_json:
-                write_data(write_json(_pose_record(now, pose, stamp)))
+                write_data(write_json(_pose_json(now, pose, stamp)))
             else:
                 write_lines(_pose_rows(pose, stamp or now))
 
@@ -154,7 +154,7 @@ def _poses(
         raise missing
 
 
-def _pose_record(now: int, pose: Transform, stamp: int) -> dict[str, object]:
+def _pose_json(now: int, pose: Transform, stamp: int) -> dict[str, object]:
     names = ("translation", "rotation", "rpy")
     values = map(list, (*pose, pose.angles))
     return {"time": now, "stamp": stamp or None, **dict(zip(names, values, strict=True))}

@@ -79,7 +79,7 @@ def command(
     if list_rules or explain:
         shown = [explain] if explain else RULES
         rows = report.rules_text(shown, in_full=explain is not None)
-        write_result([report.rule_record(rule) for rule in shown], rows, as_json=as_json)
+        write_result([report.rule_json(rule) for rule in shown], rows, as_json=as_json)
         return 0
     rules = [rule for rule in dict.fromkeys(judged_rules(only)) if rule not in ignore]
     if not rules:
@@ -102,7 +102,7 @@ def command(
     findings = examine(evidence, rules)
     rows, records = [], []
     if as_json:
-        records = [*map(report.record, findings), *report.unchecked_records(evidence, rules)]
+        records = [*map(report.to_json, findings), *report.unchecked_json(evidence, rules)]
     else:
         rows = [*report.text(findings), *report.not_checked(evidence, rules)]
     with results_beside(save_to):
@@ -125,7 +125,7 @@ def _watch(look: Callable[[], Evidence], rules: Sequence[Rule], *, as_json: bool
             write_data("No errors or warnings")
         for change, finding in changes:
             if as_json:
-                write_data(write_json({"change": change, **report.record(finding)}))
+                write_data(write_json({"change": change, **report.to_json(finding)}))
             else:
                 write_lines([*report.change_text(change, finding), ""], _decoration())
 

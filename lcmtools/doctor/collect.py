@@ -22,7 +22,7 @@ from lcmtools.doctor.evidence import (
 )
 from lcmtools.doctor.listening import Listening, target_rate
 from lcmtools.errors import BusError, UsageError
-from lcmtools.graph.model import Graph, Node, Role, Staleness
+from lcmtools.graph.model import Graph, NodeInfo, Role, Staleness
 from lcmtools.graph.protocol import PERIOD
 from lcmtools.observe.actuators import unattended_commands
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -232,7 +232,7 @@ def _without_departed(graph: Graph, before: Graph) -> Graph:
     return graph._replace(traffic=tuple(x for x in graph.traffic if x.sender not in left))
 
 
-def _may_answer(node: Node, begin: Mapping[str, int]) -> bool:
+def _may_answer(node: NodeInfo, begin: Mapping[str, int]) -> bool:
     """Return whether a node's answer is still to come: it announced nothing since ``begin``."""
     is_old = node.stale or node.sent == begin.get(node.id)
     if not is_old or node.stale is Staleness.ENDED or node.is_hidden:

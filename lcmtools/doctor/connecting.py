@@ -28,7 +28,7 @@ from lcmtools.doctor.renaming import (
 )
 from lcmtools.graph.command_line import program_words
 from lcmtools.graph.common_topics import OFTEN_UNCONNECTED
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.names import base_name_of, is_hidden, namespace_of
 from lcmtools.observe.reports.describe import seen_kinds
 from lcmtools.observe.simulators import is_simulator
@@ -48,7 +48,7 @@ _FEWEST_OF_PLAIN = 1  # the same if a plain LCM program runs, which may be the p
 _LONG_AGO = 180_000_000_000  # [ns]
 _MOST_SUGGESTIONS = 20  # per subscription: among more publications, none is more likely
 
-End = tuple[Node, Endpoint]  # an endpoint of a node
+End = tuple[NodeInfo, Endpoint]  # an endpoint of a node
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ def unconnected_ends(
     return [(node, end) for node in nodes for end in _unconnected(node, role, connected)]
 
 
-def _recently_received(nodes: Iterable[Node], now: int, fewest: int) -> set[str]:
+def _recently_received(nodes: Iterable[NodeInfo], now: int, fewest: int) -> set[str]:
     """Return the topics with recent messages, by the counters of their subscribers.
 
     A plain LCM program may publish too rarely to be seen in one look.
@@ -97,7 +97,7 @@ def _recently_received(nodes: Iterable[Node], now: int, fewest: int) -> set[str]
     return received
 
 
-def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoint]:
+def _unconnected(node: NodeInfo, role: Role, connected: set[str]) -> Iterator[Endpoint]:
     """Yield a node's unconnected endpoints; only the first one of a group of alternatives."""
     ends = [end for end in node.endpoints if end.role is role]
     groups = {end.group for end in ends if end.group and end.topic in connected}
@@ -111,7 +111,7 @@ def _unconnected(node: Node, role: Role, connected: set[str]) -> Iterator[Endpoi
 
 class _Publication(NamedTuple):
     topic: str
-    node: Node  # ``_NO_NODE`` for a plain LCM program
+    node: NodeInfo  # ``_NO_NODE`` for a plain LCM program
     sender: Subject  # the node, or the program
     fingerprints: tuple[int, ...]
     types: tuple[str, ...]
@@ -121,11 +121,11 @@ class _Publication(NamedTuple):
 class _Candidate:
     """A publication that a subscription may have meant, and what speaks for it."""
 
-    node: Node  # that subscribes
+    node: NodeInfo  # that subscribes
     wanted: str  # its topic
     expected: str  # its type
     topic: str  # that is published
-    publisher: Node  # ``_NO_NODE`` for a plain LCM program
+    publisher: NodeInfo  # ``_NO_NODE`` for a plain LCM program
     sender: Subject  # the publisher, or the program
     types: tuple[str, ...]
     fits: bool  # both have the same type
@@ -206,7 +206,7 @@ class _Candidate:
         return state("change-type", publisher=self.sender, node=self.node, **types)
 
 
-def _as_seen_by(node: Node, topic: str) -> str:
+def _as_seen_by(node: NodeInfo, topic: str) -> str:
     """Return a topic's name relative to a node's namespace, if it is in that."""
     own = namespace_of(node.name)
     return base_name_of(topic) if own == namespace_of(topic) else topic
@@ -216,8 +216,8 @@ _Test: TypeAlias = Callable[[_Candidate], object]
 _Remedy: TypeAlias = Callable[[_Candidate], Statement]
 _Reason: TypeAlias = Callable[[_Candidate, Statement], Statement]
 
-_NO_NODE = Node("", "", "", 0)
-_OTHER_END = Node("/_meant/node", "", "", 0)  # which is right
+_NO_NODE = NodeInfo("", "", "", 0)
+_OTHER_END = NodeInfo("/_meant/node", "", "", 0)  # which is right
 
 
 def _would_be_applied(c: _Candidate) -> bool:
@@ -301,7 +301,7 @@ _ROWS: tuple[tuple[_Test, _Remedy, _Reason], ...] = (
 
 
 def renaming(
-    node: Node, topic: str, target: str, *, publishes: bool, is_misplaced: bool
+    node: NodeInfo, topic: str, target: str, *, publishes: bool, is_misplaced: bool
 ) -> Statement:
     """Return what gives a node's topic the name that is known to be meant, without a reason.
 
@@ -379,7 +379,7 @@ class ConnectionFinder:
         is_of_node = one.node is not _NO_NODE and not one.node.tool
         return one.node.id in self._simulators or (is_of_node and self._is_in_vain(one))
 
-    def _likely_spare(self, node: Node, space: str, number: int) -> list[_Publication]:
+    def _likely_spare(self, node: NodeInfo, space: str, number: int) -> list[_Publication]:
         """Return outputs of a namespace and type; no simulator is connected with another one."""
         of = self._simulators if node.id in self._simulators else ()
         others = (one for one in self._spare.get((space, number), ()) if one.node.id not in of)
@@ -404,7 +404,7 @@ class ConnectionFinder:
 
         return [replace(x, remedy=moves[x.listener]) if is_met(x) else x for x in found]
 
-    def remedies_for_publication(self, node: Node, endpoint: Endpoint) -> Iterator[Statement]:
+    def remedies_for_publication(self, node: NodeInfo, endpoint: Endpoint) -> Iterator[Statement]:
         """Yield remedies that remap an unconnected publication to a topic with subscribers."""
         for topic in near_names(endpoint.topic, self._taken):
             for listener, other in self._subscribed[topic]:
@@ -413,7 +413,7 @@ class ConnectionFinder:
                     remedy = publish_on(node, endpoint.topic, topic)
                     yield give_reason(remedy, "subscribes", listener=listener, channel=topic)
 
-    def _likeliest(self, node: Node, end: Endpoint) -> list[Suggestion]:
+    def _likeliest(self, node: NodeInfo, end: Endpoint) -> list[Suggestion]:
         """Return the suggestions of the most likely kind of mistake."""
         candidates = list(self._candidates(node, end))
         for condition, remedy, reason in _ROWS:
@@ -429,7 +429,7 @@ class ConnectionFinder:
                 ]
         return []
 
-    def _candidates(self, node: Node, end: Endpoint) -> Iterator[_Candidate]:
+    def _candidates(self, node: NodeInfo, end: Endpoint) -> Iterator[_Candidate]:
         """Yield the publications that may be meant; announced ones come first."""
         base, space = base_name_of(end.topic), namespace_of(end.topic)
         near = near_names(end.topic, self._comparable)

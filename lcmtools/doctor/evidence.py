@@ -10,7 +10,7 @@ from functools import wraps
 from typing import TypeVar
 
 from lcmtools.graph.command_line import short_name
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Graph, NodeInfo
 from lcmtools.wire.packet import Sender
 
 _T = TypeVar("_T")
@@ -231,7 +231,7 @@ class Evidence:
     relays: Sequence[RelayEnd] = ()
     damaged_bytes: int = 0  # of the log, which do not belong to any message
 
-    def own_nodes(self) -> list[Node]:
+    def own_nodes(self) -> list[NodeInfo]:
         """Return the nodes of this computer: only their process numbers are valid here."""
         return [node for node in self.graph.nodes if node.id not in self.remote]
 

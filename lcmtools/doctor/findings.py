@@ -18,7 +18,7 @@ from lcmtools.doctor.evidence import (
     SenderFacts,
     Stream,
 )
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 
 
 class Severity(IntEnum):
@@ -43,7 +43,9 @@ class Subject:
         return self.name
 
 
-Observed: TypeAlias = Node | LcmProcess | SenderFacts | Stream | Publication | Listener | HostClock
+Observed: TypeAlias = (
+    NodeInfo | LcmProcess | SenderFacts | Stream | Publication | Listener | HostClock
+)
 """A value of the evidence that a finding can be about."""
 Part: TypeAlias = Subject | str | int | float | tuple[Subject, ...] | tuple[str, ...]
 """A subject, or a measured value."""
@@ -65,7 +67,7 @@ _KINDS = {
 def subject(observed: Observed) -> Subject:
     """Return a value of the evidence as a subject."""
     match observed:
-        case Node():
+        case NodeInfo():
             return Subject("node", observed.name, observed.pid, str(observed.sender or ""))
         case LcmProcess():
             return Subject("process", observed.command, observed.pid)

@@ -23,7 +23,7 @@ from lcmtools.doctor.evidence import LcmProcess, Stream
 from lcmtools.doctor.listening import Listening
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Graph, NodeInfo, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reading.senders import SenderNames, is_here, nodes_by_pid
@@ -199,7 +199,11 @@ class ProgramNames:
     """The displayed names of senders and processes."""
 
     def __init__(
-        self, monitor: BusMonitor, listening: Listening, nodes: Collection[Node], table: SocketTable
+        self,
+        monitor: BusMonitor,
+        listening: Listening,
+        nodes: Collection[NodeInfo],
+        table: SocketTable,
     ) -> None:
         self.table = table
         self.by_pid = nodes_by_pid(nodes, table.holders.values())

@@ -26,7 +26,7 @@ from lcmtools.bus.url import BusUrl
 from lcmtools.doctor.evidence import Listener
 from lcmtools.doctor.lcm_processes import ProgramNames
 from lcmtools.graph.command_line import interpreter
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.observe.reading.senders import user_name
 
 _BEHIND = 0.5  # share of its buffer that is full if a program reads too slowly
@@ -171,7 +171,7 @@ def _never_reads(process: Process) -> bool:
     return not any(name.startswith("Thread-") for name in process.of_threads("comm"))
 
 
-def _is_tool(process: Process, nodes: Sequence[Node]) -> bool:
+def _is_tool(process: Process, nodes: Sequence[NodeInfo]) -> bool:
     """Return whether a process is a command of lcmtools. Its filter drops datagrams on purpose."""
     if nodes:
         return all(node.tool for node in nodes)

@@ -10,7 +10,7 @@ from difflib import SequenceMatcher
 from functools import lru_cache
 
 from lcmtools.doctor.findings import Observed, Part, Statement, state
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.names import base_name_of, namespace_of
 
 DROP_REMAP = {"drop-remap": "start {node} without {argument}"}
@@ -147,7 +147,7 @@ def give_reason(remedy: Statement, reason: str, **parts: Part | Observed) -> Sta
     return replace(remedy, parts={**known, **remedy.parts}, sentence=f"{sentence}{remedy.sentence}")
 
 
-def start_with(node: Node, topic: str, target: str) -> Statement:
+def start_with(node: NodeInfo, topic: str, target: str) -> Statement:
     """Return the remedy that starts a node with another topic instead of ``topic``."""
     argument, space = remap_argument(node, topic), namespace_of(node.name)
     source, wanted = argument.partition(":=")[0], expanded(target, node)
@@ -164,7 +164,7 @@ def start_with(node: Node, topic: str, target: str) -> Statement:
     return state("replace-remap", node=node, old=name, new=target, argument=argument)
 
 
-def publish_on(publisher: Node, topic: str, target: str) -> Statement:
+def publish_on(publisher: NodeInfo, topic: str, target: str) -> Statement:
     """Return the remedy that lets a node publish on another topic."""
     if publisher.tool:  # a command: its topic is an argument, which no remap changes
         return state("republish", topic=expanded(target, publisher))
@@ -174,14 +174,14 @@ def publish_on(publisher: Node, topic: str, target: str) -> Statement:
     return start_with(publisher, topic, target)
 
 
-def remove_slash(node: Node, topic: str) -> Statement:
+def remove_slash(node: NodeInfo, topic: str) -> Statement:
     """Return the remedy for a slash that keeps a remap from being applied to a topic."""
     argument, _ = unapplied_remap(node, topic)
     parts = {"topic": topic, "name": topic[1:], "argument": argument}
     return state("remove-slash-of-remap", node=node, **parts)
 
 
-def remap_argument(node: Node, topic: str) -> str:
+def remap_argument(node: NodeInfo, topic: str) -> str:
     """Return the remap in a node's command line that results in a topic; "" if there is none."""
     for word, source, target in _remaps(node):
         if not source.startswith("_") and expanded(target, node) == topic:
@@ -189,7 +189,7 @@ def remap_argument(node: Node, topic: str) -> str:
     return ""
 
 
-def unapplied_remap(node: Node, topic: str) -> tuple[str, str]:
+def unapplied_remap(node: NodeInfo, topic: str) -> tuple[str, str]:
     """Return the remap that a slash at a topic's start keeps from being applied, and its target.
 
     Both are "" if there is none.
@@ -200,18 +200,18 @@ def unapplied_remap(node: Node, topic: str) -> tuple[str, str]:
     return "", ""
 
 
-def _remaps(node: Node) -> list[tuple[str, str, str]]:
+def _remaps(node: NodeInfo) -> list[tuple[str, str, str]]:
     """Return the arguments OLD:=NEW of a node, with both names."""
     words = node.command.split() if ":=" in node.command else []
     parts = ((word, *word.split(":=", 1)) for word in words if ":=" in word)
     return [(word, source, target) for word, source, target in parts if target]
 
 
-def expanded(name: str, node: Node) -> str:
+def expanded(name: str, node: NodeInfo) -> str:
     """Return the topic that a name means in a node's namespace."""
     return name if name.startswith("/") else f"{namespace_of(node.name).rstrip('/')}/{name}"
 
 
-def inside(node: Node, topic: str) -> str:
+def inside(node: NodeInfo, topic: str) -> str:
     """Return a topic as it is in a node's namespace without its first slash; "" if it has none."""
     return expanded(topic.lstrip("/"), node) if topic.startswith("/") else ""

@@ -90,13 +90,13 @@ def colored(row: str) -> str:
 
 def not_checked(evidence: Evidence, rules: Iterable[Rule]) -> list[str]:
     """Format the rules that lack evidence, a line for each reason, after an empty line."""
-    records = groupby(unchecked_records(evidence, rules), lambda one: one["text"])
+    records = groupby(unchecked_json(evidence, rules), lambda one: one["text"])
     groups = ((text, ", ".join(str(one["rule"]) for one in those)) for text, those in records)
     rows = [f"Not checked: {names} ({text})" for text, names in groups]
     return ["", *rows] if rows else []
 
 
-def unchecked_records(evidence: Evidence, rules: Iterable[Rule]) -> list[dict[str, object]]:
+def unchecked_json(evidence: Evidence, rules: Iterable[Rule]) -> list[dict[str, object]]:
     """Return the rules that lack evidence for JSON, with the keys of findings."""
     wanted = {rule.id for rule in rules}
     keys = ("items", "remedies", "subjects", "facts", "actions")
@@ -114,7 +114,7 @@ def unchecked_records(evidence: Evidence, rules: Iterable[Rule]) -> list[dict[st
     ]
 
 
-def record(finding: Finding) -> dict[str, object]:
+def to_json(finding: Finding) -> dict[str, object]:
     """Return a finding for JSON: as text and as data."""
     words = describe(finding)
     return {
@@ -155,7 +155,7 @@ def rules_text(rules: Sequence[Rule], *, in_full: bool) -> list[str]:
     return rows
 
 
-def rule_record(rule: Rule) -> dict[str, object]:
+def rule_json(rule: Rule) -> dict[str, object]:
     """Return a rule for JSON."""
     known = {"explanation": rule.explanation, "remedy": rule.remedy}
     return {"rule": rule.id, "severity": rule.severity.name.lower(), **known}

@@ -39,14 +39,14 @@ class QuotedText(str):
     __slots__ = ()
 
 
-class Node:
+class YamlNode:
     """A value in a document, with its line."""
 
     __slots__ = ("is_quoted", "key_line", "line", "value")
 
     def __init__(
         self,
-        value: "str | bytes | list[Node] | dict[str, Node]",
+        value: "str | bytes | list[YamlNode] | dict[str, YamlNode]",
         line: int = 1,
         *,
         is_quoted: bool = False,
@@ -82,7 +82,7 @@ def read_values(text: str) -> Iterator[tuple[PlainNode, int]]:
 
 def read_documents(
     text: str, *, keeps_places: bool = True, merges_keys: bool = False
-) -> Iterator[Node | None]:
+) -> Iterator[YamlNode | None]:
     """Yield the documents in a text; None for an empty one.
 
     If ``keeps_places`` is False, only the root is a Node: in a large text the garbage collector
@@ -105,7 +105,7 @@ def read_documents(
         raise forbidden_character(text) from None
 
 
-def read_file(text: str, source: str, *, merges_keys: bool = False) -> Node | None:
+def read_file(text: str, source: str, *, merges_keys: bool = False) -> YamlNode | None:
     """Return a file's only document, None if it is empty; raise InvalidFile with the line.
 
     With ``merges_keys``, "<<" merges mappings and the last of several equal keys counts, as in
@@ -135,11 +135,11 @@ class _Tree:
         self._yaml = yaml
         self._keeps_places = keeps_places
         self._merges_keys = merges_keys
-        self.root: Node | None = None
-        self._open: list[tuple[Node, str | None]] = []  # collections, each with its anchor
+        self.root: YamlNode | None = None
+        self._open: list[tuple[YamlNode, str | None]] = []  # collections, each with its anchor
         self._keys: list[_Key | None] = [_NO_KEY]  # of the next value; None: a key is next
-        self._merged: list[dict[str, Node]] = []  # of each open collection
-        self._anchors: dict[str, Node] = {}
+        self._merged: list[dict[str, YamlNode]] = []  # of each open collection
+        self._anchors: dict[str, YamlNode] = {}
         self._repeated = 0
 
     def add_event(self, event: "yaml.Event") -> None:
@@ -156,7 +156,7 @@ class _Tree:
             self._keys.pop()
             node, anchor = self._open.pop()
             if merged := self._merged.pop():
-                node.value = {**merged, **cast("dict[str, Node]", node.value)}
+                node.value = {**merged, **cast("dict[str, YamlNode]", node.value)}
             self._add(node, anchor)
         elif isinstance(event, yaml.AliasEvent):
             self._add_alias(event)
@@ -168,7 +168,7 @@ class _Tree:
             raise _bad(event, TOO_DEEP)
         if event.tag not in _COLLECTION_TAGS:
             raise _unknown_tag(event)
-        self._open.append((Node([] if is_list else {}, _line(event)), event.anchor))
+        self._open.append((YamlNode([] if is_list else {}, _line(event)), event.anchor))
         self._keys.append(_NO_KEY if is_list else None)
         self._merged.append({})
 
@@ -182,7 +182,7 @@ class _Tree:
         if self._keys[-1] is None:
             self._set_key(event, _bare(known))
         else:
-            self._add(Node(known.value, known.line, is_quoted=known.is_quoted), None)
+            self._add(YamlNode(known.value, known.line, is_quoted=known.is_quoted), None)
 
     def _set_key(self, event: "yaml.NodeEvent", key: object) -> None:
         if not isinstance(key, str):
@@ -196,14 +196,14 @@ class _Tree:
         is_merge = key == "<<" and getattr(event, "implicit", (False,))[0]
         self._keys[-1] = _MERGE_KEY if is_merge else (key, _line(event))
 
-    def _add(self, node: Node, anchor: str | None) -> None:
+    def _add(self, node: YamlNode, anchor: str | None) -> None:
         if anchor:
             self._anchors[anchor] = node
         if not self._open:
             self.root = None if node.is_nothing else node
             return
         value, key = self._open[-1][0].value, self._keys[-1]
-        part = node if self._keeps_places else cast("Node", _bare(node))
+        part = node if self._keeps_places else cast("YamlNode", _bare(node))
         if isinstance(value, list):
             value.append(part)
         elif key is _MERGE_KEY:
@@ -213,7 +213,7 @@ class _Tree:
             value[key[0]], node.key_line = part, key[1]
             self._keys[-1] = None
 
-    def _merge(self, node: Node) -> None:
+    def _merge(self, node: YamlNode) -> None:
         """Merge a mapping, or a list of them of which the first ones take precedence."""
         parts = node.value if isinstance(node.value, list) else [node]
         for part in reversed(parts):
@@ -223,27 +223,27 @@ class _Tree:
             self._merged[-1].update(part.value)
 
 
-def _bare(node: Node) -> PlainNode:
+def _bare(node: YamlNode) -> PlainNode:
     """Return the value of a node whose parts are converted already; None for an empty one."""
     return None if node.is_nothing else cast("PlainNode", node.value)
 
 
 def _count(part: object) -> int:
     """Count the values in a part, repeated ones each time."""
-    value = part.value if isinstance(part, Node) else part
+    value = part.value if isinstance(part, YamlNode) else part
     if isinstance(value, dict):
         return 1 + sum(map(_count, value.values()))
     return 1 + sum(map(_count, value)) if isinstance(value, list) else 1
 
 
-def _scalar(event: "yaml.ScalarEvent") -> Node:
+def _scalar(event: "yaml.ScalarEvent") -> YamlNode:
     plain = event.implicit[0]
     if plain or event.tag in _TEXT_TAGS:
-        return Node(event.value, _line(event), is_quoted=not plain and event.tag is None)
+        return YamlNode(event.value, _line(event), is_quoted=not plain and event.tag is None)
     if event.tag in ("!", f"{_TAG}str"):
-        return Node(event.value, _line(event), is_quoted=True)
+        return YamlNode(event.value, _line(event), is_quoted=True)
     if event.tag == f"{_TAG}binary":
-        return Node(_binary(event), _line(event))
+        return YamlNode(_binary(event), _line(event))
     raise _unknown_tag(event)
 
 

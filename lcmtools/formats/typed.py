@@ -28,7 +28,7 @@ from typing import (
 )
 
 from lcmtools.errors import InvalidFile, LcmtoolsError
-from lcmtools.formats.strict_yaml import Node, read_file
+from lcmtools.formats.strict_yaml import YamlNode, read_file
 from lcmtools.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ class Item:
             raise self.error(f"'{self.name}' must be {kind}, not '{text}'") from None
 
     def _key(self, written: str, node: _Node) -> "Self":
-        return replace(self, name="key", node=Node(written, node.key_line))
+        return replace(self, name="key", node=YamlNode(written, node.key_line))
 
     def _mapping(self) -> dict[str, Any]:
         if not isinstance(self.content, dict):

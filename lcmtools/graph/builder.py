@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain, islice
 
 from lcmtools.bounded import BoundedDict
-from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import STALE_AFTER, Endpoint, Graph, NodeInfo, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROTOCOL_CHANNELS,
@@ -61,8 +61,8 @@ class GraphBuilder:
         self._is_log, self._but = is_log, but
         most_nodes, most_flows = (sys.maxsize,) * 2 if is_log else (MOST_NODES, MOST_FLOWS)
         most_bytes = sys.maxsize if is_log else _MOST_NODE_BYTES
-        self._nodes = BoundedDict[str, Node](most_nodes, most_bytes)
-        self._recorded: dict[str, Node] = {}
+        self._nodes = BoundedDict[str, NodeInfo](most_nodes, most_bytes)
+        self._recorded: dict[str, NodeInfo] = {}
         self._left = BoundedDict[str, str](most_nodes, most_bytes)  # names by ids
         self._heads = BoundedDict[bytes, tuple[bytes, str]](most_nodes, most_bytes)
         self._traffic = BoundedDict[tuple[str, Sender | None], _Count](most_flows)
@@ -124,7 +124,7 @@ class GraphBuilder:
         """The number of channels and nodes that were forgotten because there are too many."""
         return self._traffic.forgotten + self._nodes.forgotten
 
-    def recall(self, nodes: Iterable[Node]) -> None:
+    def recall(self, nodes: Iterable[NodeInfo]) -> None:
         """Learn of nodes from their records; nodes that never announce themselves are stale."""
         for node in nodes:
             self._recorded[node.id] = node
@@ -230,7 +230,9 @@ class GraphBuilder:
             yield Traffic(channel, sender, one.fingerprints, *numbers, one.types)
 
 
-def _with_observed_topics(node: Node, sent: Mapping[Sender | None, Iterable[Traffic]]) -> Node:
+def _with_observed_topics(
+    node: NodeInfo, sent: Mapping[Sender | None, Iterable[Traffic]]
+) -> NodeInfo:
     """Return a node whose endpoints are unknown, with those that its messages show."""
     ends = []
     for seen in chain.from_iterable(sent.get(one, ()) for one in node.senders()):
@@ -240,7 +242,7 @@ def _with_observed_topics(node: Node, sent: Mapping[Sender | None, Iterable[Traf
     return node._replace(endpoints=tuple(ends))
 
 
-def _observed(nodes: Iterable[Node]) -> Iterator[Traffic]:
+def _observed(nodes: Iterable[NodeInfo]) -> Iterator[Traffic]:
     """Yield what living relays and servers have observed, by the clock of this computer."""
     for node in nodes:
         lag = node.lag or 0
@@ -248,6 +250,6 @@ def _observed(nodes: Iterable[Node]) -> Iterator[Traffic]:
             yield seen._replace(first_time=seen.first_time + lag, last_time=seen.last_time + lag)
 
 
-def _aged(node: Node, now: int) -> Node:
+def _aged(node: NodeInfo, now: int) -> NodeInfo:
     is_silent = now - node.last_announced > STALE_AFTER
     return node._replace(stale=Staleness.SILENT) if is_silent else node

@@ -122,7 +122,7 @@ class FullLine(NamedTuple):
     passing: tuple[tuple[str, float], ...] = ()
 
 
-class Node(NamedTuple):
+class NodeInfo(NamedTuple):
     """A named participant on the bus; times are nanoseconds since 1970."""
 
     name: str  # full name: "/husky0/simple_controller"
@@ -214,7 +214,7 @@ class Traffic(NamedTuple):
         return (self.messages - 1) * 1e9 / (self.last_time - self.first_time)
 
 
-Ends = tuple[tuple[Node, Endpoint], ...]
+Ends = tuple[tuple[NodeInfo, Endpoint], ...]
 """Endpoints with their nodes."""
 
 
@@ -251,7 +251,7 @@ class Topic(NamedTuple):
 
 
 class _Known(NamedTuple):
-    nodes: tuple[Node, ...] = ()  # announced, sorted by name; stale ones included
+    nodes: tuple[NodeInfo, ...] = ()  # announced, sorted by name; stale ones included
     traffic: tuple[Traffic, ...] = ()  # on hidden channels too
     time: int = 0  # of this snapshot [ns since 1970]
 
@@ -283,11 +283,11 @@ class Graph(_Known):  # a separate class, to cache the table of topics
         topics = (one for one in self.topics() if one.name != SELF_TEST_CHANNEL)
         return [seen for one in topics for seen in one.foreign]
 
-    def unexplained(self) -> list[Node]:
+    def unexplained(self) -> list[NodeInfo]:
         """Return the living nodes, except commands, of which only the head is known."""
         return [one for one in self.nodes if not (one.has_details or one.stale or one.tool)]
 
-    def named(self, name: str) -> list[Node]:
+    def named(self, name: str) -> list[NodeInfo]:
         """Return the nodes for a typed name: a full name, or the last part of one."""
         full = name if name.startswith("/") else f"/{name}"
         exact = [node for node in self.nodes if node.name == full]
@@ -297,7 +297,7 @@ class Graph(_Known):  # a separate class, to cache the table of topics
 
     @cached_property
     def _topics(self) -> dict[str, Topic]:
-        ends: dict[tuple[str, Role], list[tuple[Node, Endpoint]]] = defaultdict(list)
+        ends: dict[tuple[str, Role], list[tuple[NodeInfo, Endpoint]]] = defaultdict(list)
         for node in self.nodes:
             for end in node.endpoints:
                 ends[end.topic, end.role].append((node, end))

@@ -23,7 +23,7 @@ from lcmtools.graph.model import (
     CallbackError,
     Endpoint,
     FullLine,
-    Node,
+    NodeInfo,
     RelayStep,
     Role,
     Traffic,
@@ -79,7 +79,7 @@ _REVISION_BYTES = 8
 class Announcement(NamedTuple):
     """A node's announcement of itself."""
 
-    node: Node
+    node: NodeInfo
     leaving: bool = False  # True if the node is ending
     answers: int = 0  # the nonce of the answered probe; 0 for none
 
@@ -214,7 +214,7 @@ def _without_time(payload: bytes) -> bytes:
     return encode(message)
 
 
-def _encode_details(node: Node) -> bytes:
+def _encode_details(node: NodeInfo) -> bytes:
     details = _DETAILS.message(node)
     if node.observed or node.full_lines:
         publishers = appendables(map(_seen_message, node.observed))
@@ -222,7 +222,7 @@ def _encode_details(node: Node) -> bytes:
     return encode_appendable(details)
 
 
-def _with_details(node: Node, data: bytes) -> Node:
+def _with_details(node: NodeInfo, data: bytes) -> NodeInfo:
     """Return a node with its details, without endpoints of unknown roles."""
     if not data or len(data) > _MOST_DETAILS:  # a relay could not read them, or it floods the bus
         return node._replace(has_details=False)
@@ -266,7 +266,7 @@ def _decode_remote(payload: bytes) -> Announcement | None:
     return announcement._replace(node=announcement.node._replace(path=path, ports=()))
 
 
-def _revision(node: Node) -> int:
+def _revision(node: NodeInfo) -> int:
     """Return a number that changes with everything in a node except its counters."""
     plain = [(*end.key, end.fingerprints, end.depth, end.latched) for end in node.endpoints]
     errors = sorted((error.callback, error.exception, error.place) for error in node.errors)
@@ -352,10 +352,10 @@ _ENDPOINT = Binding(
     msgs.Endpoint, Endpoint, topic=_CHANNEL, role=(int, Role), fingerprints=_FINGERPRINTS
 )
 _SEEN = Binding(msgs.ObservedPublisher, Traffic, channel=_CHANNEL, fingerprints=_FINGERPRINTS)
-_HEAD = Binding(msgs.Announcement, Node, command=_COMMAND, tool=(bool, bool))
+_HEAD = Binding(msgs.Announcement, NodeInfo, command=_COMMAND, tool=(bool, bool))
 _DETAILS = Binding(
     msgs.NodeDetails,
-    Node,
+    NodeInfo,
     without=("observed",),
     endpoints=(
         _ENDPOINT.appendables,
@@ -365,7 +365,7 @@ _DETAILS = Binding(
 )
 _OBSERVED = Binding(
     msgs.Observed,
-    Node,
+    NodeInfo,
     full_lines=(
         lambda lines: appendables(map(_line_message, lines)),
         lambda ones: tuple(_full_line(one.data) for one in ones[:_MOST_LINES]),

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from lcmtools.errors import InvalidFile, UsageError
 from lcmtools.formats.expression import Expression, ExpressionFault, Language
 from lcmtools.formats.operations import CONSTANTS
-from lcmtools.formats.strict_yaml import Node, read_file
+from lcmtools.formats.strict_yaml import YamlNode, read_file
 from lcmtools.messages.setting import guessed, write_setting
 
 _ANGLE = re.compile(r"(deg|rad)\(([^)]*)\)")
@@ -37,12 +37,12 @@ class _Constants:
         raise LookupError(f"{owner} has no field '{name}'")
 
 
-def read_parameters(text: str, source: str, line: int = 1) -> Node | None:
+def read_parameters(text: str, source: str, line: int = 1) -> YamlNode | None:
     """Return the only document of a text that begins at a line of a file; None if it is empty."""
     return read_file("\n" * (line - 1) + text, source, merges_keys=True)
 
 
-def leaves(node: Node, name: str) -> Iterator[tuple[str, Node]]:
+def leaves(node: YamlNode, name: str) -> Iterator[tuple[str, YamlNode]]:
     """Yield each value that is not a mapping with the path of names to it."""
     if isinstance(node.value, dict):
         for key, part in node.value.items():
@@ -51,7 +51,7 @@ def leaves(node: Node, name: str) -> Iterator[tuple[str, Node]]:
         yield name, node
 
 
-def text_of(node: Node, source: str) -> str:
+def text_of(node: YamlNode, source: str) -> str:
     """Return a value as one line of YAML, as ``read_setting`` accepts it.
 
     InvalidFile is raised for an angle that is no number, and for binary data.
@@ -73,7 +73,7 @@ def text_of(node: Node, source: str) -> str:
         raise InvalidFile(f"{source}:{node.line}: {value}: not an angle: {error}") from None
 
 
-def value_of(node: Node | None) -> object:
+def value_of(node: YamlNode | None) -> object:
     """Return a value as Python's, for JSON."""
     if node is None or node.is_nothing:
         return None

@@ -43,7 +43,7 @@ def _names(plan: Plan, _node: str) -> Answer:
 
 def _line(plan: Plan, name: str) -> Answer:
     node = plan.find(name)
-    return record(node), [node.command_line()]
+    return to_json(node), [node.command_line()]
 
 
 def _place(plan: Plan, name: str) -> Answer:
@@ -52,10 +52,10 @@ def _place(plan: Plan, name: str) -> Answer:
 
 
 def _dry_run(plan: Plan, _node: str) -> Answer:
-    return list(map(record, plan.nodes)), [row for node in plan.nodes for row in rows(node)]
+    return list(map(to_json, plan.nodes)), [row for node in plan.nodes for row in to_lines(node)]
 
 
-def rows(node: NodePlan) -> Iterator[str]:
+def to_lines(node: NodePlan) -> Iterator[str]:
     """Yield the lines of a planned node: a comment, and its command line."""
     about = [f"output {node.output.value}"]
     if node.respawn:
@@ -66,7 +66,7 @@ def rows(node: NodePlan) -> Iterator[str]:
     yield node.command_line()
 
 
-def record(node: NodePlan) -> dict[str, object]:
+def to_json(node: NodePlan) -> dict[str, object]:
     """Return a planned node for JSON."""
     return {
         "node": node.name,

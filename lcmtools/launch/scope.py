@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from lcmtools.errors import UsageError
 from lcmtools.formats.strict_xml import Element
-from lcmtools.formats.strict_yaml import Node
+from lcmtools.formats.strict_yaml import YamlNode
 from lcmtools.formats.typed import Item
 from lcmtools.launch.packages import package_folder
 from lcmtools.launch.substitution import Known, substitute
@@ -89,7 +89,7 @@ class Scope:
 
     def _value(self, element: Element, name: str, default: str) -> Item:
         text = self.text(element, name, default).strip()
-        return Item(name, element.source, Node(text, element.line))
+        return Item(name, element.source, YamlNode(text, element.line))
 
     def holds(self, element: Element) -> bool:
         """Return True if an element applies, by its ``if`` and ``unless``."""

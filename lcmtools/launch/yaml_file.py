@@ -18,14 +18,14 @@ from typing import TypeAlias
 
 from lcmtools.errors import InvalidFile
 from lcmtools.formats.strict_xml import Element
-from lcmtools.formats.strict_yaml import Node, read_file
+from lcmtools.formats.strict_yaml import YamlNode, read_file
 from lcmtools.launch.parameter_tags import AS_TYPED
 from lcmtools.launch.tags import END_OF_WORD
 from lcmtools.messages.setting import write_setting
 from lcmtools.names import did_you_mean
 from lcmtools.ros_words.launch_keys import KEYS
 
-_Parts: TypeAlias = Mapping[str, Callable[[Node], list[Element]]]
+_Parts: TypeAlias = Mapping[str, Callable[[YamlNode], list[Element]]]
 """For each key, the function that converts its value to elements."""
 
 _NODE = (
@@ -54,7 +54,7 @@ class _Reader:
     source: str
 
     def element(
-        self, tag: str, node: Node, what: str, attributes: Collection[str], parts: _Parts
+        self, tag: str, node: YamlNode, what: str, attributes: Collection[str], parts: _Parts
     ) -> Element:
         """Return the element for a mapping, with its parts in the order of their effect."""
         element = Element(tag, self.source, node.line)
@@ -94,18 +94,18 @@ class _Reader:
             "env": partial(self._pairs, "env", "name", "value"),
         }
 
-    def _groups(self, node: Node) -> list[Element]:
+    def _groups(self, node: YamlNode) -> list[Element]:
         items = self._items(node, "groups")
         return [self.element("group", item, "group", _GROUP, self.block_parts()) for item in items]
 
-    def _node(self, node: Node) -> Element:
+    def _node(self, node: YamlNode) -> Element:
         element = self.element("node", node, "a node", _NODE, self._node_parts())
         if not {"run", "exec"} & set(element.attributes):
             raise self._error(node.line, "'run' is missing in a node", "for example  run: talker")
         element.attributes.setdefault("output", "both")
         return element
 
-    def _arguments(self, node: Node) -> list[Element]:
+    def _arguments(self, node: YamlNode) -> list[Element]:
         found = []
         for name, value in self._fields(node, "args"):
             if isinstance(value.value, dict):
@@ -119,14 +119,14 @@ class _Reader:
             found.append(element)
         return found
 
-    def _pairs(self, tag: str, first: str, second: str, node: Node) -> list[Element]:
+    def _pairs(self, tag: str, first: str, second: str, node: YamlNode) -> list[Element]:
         found = []
         for name, value in self._fields(node, tag):
             pair = {first: name, second: self._text(value, name)}
             found.append(Element(tag, self.source, value.key_line, pair))
         return found
 
-    def _private_parameters(self, node: Node, path: str = "~") -> list[Element]:
+    def _private_parameters(self, node: YamlNode, path: str = "~") -> list[Element]:
         """Return the private parameters of the nodes below, also from nested mappings."""
         found: list[Element] = []
         for name, value in self._fields(node, "param"):
@@ -137,25 +137,25 @@ class _Reader:
                 found.append(Element("param", self.source, value.key_line, pair))
         return found
 
-    def _flow(self, node: Node) -> str:
+    def _flow(self, node: YamlNode) -> str:
         """Return a value as one line of YAML; quoted values stay text."""
         if isinstance(node.value, list):
             return f"[{', '.join(self._flow(part) for part in node.value)}]"
         text = self._text(node, "param")
         return write_setting(text) if node.is_quoted and "$(" not in text else text
 
-    def _includes(self, node: Node) -> list[Element]:
+    def _includes(self, node: YamlNode) -> list[Element]:
         if isinstance(node.value, list) or node.is_nothing:
             return [self._include(item) for item in self._items(node, "include")]
         return [self._include(node)]
 
-    def _include(self, node: Node) -> Element:
+    def _include(self, node: YamlNode) -> Element:
         if isinstance(node.value, str) and not node.is_nothing:
             return Element("include", self.source, node.line, {"file": node.value})
         parts = {"args": partial(self._pairs, "arg", "name", "value")}
         return self.element("include", node, "include", _INCLUDE, parts)
 
-    def _fields(self, node: Node, what: str) -> Iterator[tuple[str, Node]]:
+    def _fields(self, node: YamlNode, what: str) -> Iterator[tuple[str, YamlNode]]:
         """Return the keys and values of a mapping; nothing counts as an empty one."""
         if isinstance(node.value, dict):
             yield from node.value.items()
@@ -163,7 +163,7 @@ class _Reader:
             hint = f"for example  {_EXAMPLES.get(what, 'name: value')}"
             raise self._error(node.line, f"{what}: expected names and values", hint)
 
-    def _items(self, node: Node, what: str) -> list[Node]:
+    def _items(self, node: YamlNode, what: str) -> list[YamlNode]:
         """Return the elements of a list; nothing counts as an empty one."""
         if isinstance(node.value, list):
             return node.value
@@ -172,13 +172,13 @@ class _Reader:
         hint = "begin each of its parts with '- '"
         raise self._error(node.line, f"{what}: expected a list", hint)
 
-    def _words(self, node: Node, what: str) -> str:
+    def _words(self, node: YamlNode, what: str) -> str:
         """Return a text of words, or the elements of a list, each as one word."""
         if not isinstance(node.value, list):
             return self._text(node, what)
         return "".join(f"{self._text(word, what)}{END_OF_WORD}" for word in node.value)
 
-    def _text(self, node: Node, what: str) -> str:
+    def _text(self, node: YamlNode, what: str) -> str:
         if not isinstance(node.value, str):
             raise self._error(node.line, f"{what}: expected one word or number")
         return "" if node.is_nothing else node.value

@@ -9,10 +9,10 @@ from collections.abc import Callable, Collection, Iterable
 from typing import Any, Generic, TypeVar, cast
 
 from lcmtools.errors import DecodeError
+from lcmtools.messages.array_codec import Cursor, Malformed
 from lcmtools.messages.codec import NOT_PLAIN, encode
 from lcmtools.messages.coder import coder
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import STRAY_BYTES
 from lcmtools.types.lcmtools_msgs import Appendable
 

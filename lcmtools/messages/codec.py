@@ -14,12 +14,12 @@ from functools import partial
 from typing import TypeVar, cast
 
 from lcmtools.errors import DecodeError
+from lcmtools.messages.array_codec import Cursor, Malformed
 from lcmtools.messages.coder import Write, coder
 from lcmtools.messages.fields import Field, visible_fields
 from lcmtools.messages.layout import has_wire_type, is_generated
 from lcmtools.messages.reading import Scan
 from lcmtools.messages.registry import Message, candidates, fingerprint, type_name, versioned
-from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import STRAY_BYTES, Misfit, from_python, given
 from lcmtools.messages.shape import Element, check_lengths, inner_lengths, shaped
 

@@ -18,12 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cache, cached_property
 from typing import TypeAlias
 
-from lcmtools.messages.enums import EnumType
-from lcmtools.messages.fields import Field, attribute, visible_fields
-from lcmtools.messages.layout import check_type
-from lcmtools.messages.reading import CarefulReading, Read, Reading, Scan, Source
-from lcmtools.messages.registry import Message, fingerprint
-from lcmtools.messages.rows import (
+from lcmtools.messages.array_codec import (
     FORMATS,
     IS_LITTLE,
     WriteArray,
@@ -32,6 +27,11 @@ from lcmtools.messages.rows import (
     primitive_writer,
     row_writer,
 )
+from lcmtools.messages.enums import EnumType
+from lcmtools.messages.fields import Field, attribute, visible_fields
+from lcmtools.messages.layout import check_type
+from lcmtools.messages.reading import CarefulReading, Read, Reading, Scan, Source
+from lcmtools.messages.registry import Message, fingerprint
 from lcmtools.messages.shape import as_sequence
 
 Write: TypeAlias = Callable[[object], tuple[bytes, ...]]

@@ -11,9 +11,9 @@ from itertools import pairwise
 from math import inf, prod
 from typing import NamedTuple, cast
 
+from lcmtools.messages.array_codec import FORMATS, STRING_BYTES
 from lcmtools.messages.fields import Field, fields
 from lcmtools.messages.registry import Message, fingerprint, type_name
-from lcmtools.messages.rows import FORMATS, STRING_BYTES
 
 _FINGERPRINT_BYTES = 8
 

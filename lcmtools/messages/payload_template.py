@@ -10,10 +10,10 @@ from math import prod
 from typing import cast
 
 from lcmtools.errors import ValueMismatch
+from lcmtools.messages.array_codec import FORMATS
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.fields import Field, fields, length_values
 from lcmtools.messages.registry import Message, type_name
-from lcmtools.messages.rows import FORMATS
 from lcmtools.messages.scalars import STRAY_BYTES
 
 _FINGERPRINT_BYTES = 8

@@ -24,12 +24,7 @@ import struct
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol, TypeAlias, cast
 
-from lcmtools.messages.enums import EnumType
-from lcmtools.messages.fields import attribute
-from lcmtools.messages.layout import Leaf, check_type, is_bounded, layout, smallest
-from lcmtools.messages.number_array import NumberArray
-from lcmtools.messages.registry import Message
-from lcmtools.messages.rows import (
+from lcmtools.messages.array_codec import (
     BOOLEANS,
     FORMATS,
     IS_LITTLE,
@@ -41,6 +36,11 @@ from lcmtools.messages.rows import (
     length,
     numbers_struct,
 )
+from lcmtools.messages.enums import EnumType
+from lcmtools.messages.fields import attribute
+from lcmtools.messages.layout import Leaf, check_type, is_bounded, layout, smallest
+from lcmtools.messages.number_array import NumberArray
+from lcmtools.messages.registry import Message
 from lcmtools.messages.scalars import STRAY_BYTES
 
 _LENGTH = "length"  # the type of a string's length

@@ -9,7 +9,7 @@ from lcmtools.bus.base import Bus, Faults, start_thread
 from lcmtools.errors import BusError
 from lcmtools.graph import protocol
 from lcmtools.graph.announcing import Announcing
-from lcmtools.graph.model import Endpoint, Node
+from lcmtools.graph.model import Endpoint, NodeInfo
 from lcmtools.graph.protocol import ANSWER_SPREAD, PERIOD
 from lcmtools.node.graph_follower import GraphFollower
 
@@ -27,7 +27,7 @@ class Announcer:
     """
 
     def __init__(
-        self, bus: Bus, describe: Callable[[], list[Node]], follower: GraphFollower
+        self, bus: Bus, describe: Callable[[], list[NodeInfo]], follower: GraphFollower
     ) -> None:
         self._bus = bus
         self._describe = describe
@@ -66,7 +66,7 @@ class Announcer:
             if self._is_behind:
                 self._send_all({"": 0})
 
-    def say_goodbye(self, node: Node) -> None:
+    def say_goodbye(self, node: NodeInfo) -> None:
         """Announce for the last time that a node exists, and that it ends."""
         with self._sending:
             self._send(protocol.Announcement(node, leaving=True))
@@ -143,7 +143,7 @@ class Announcer:
             }
             self._latest = time.time_ns(), counted
 
-    def _with_rates(self, node: Node) -> Node:
+    def _with_rates(self, node: NodeInfo) -> NodeInfo:
         """Return a node with the rates of its endpoints over the last one or two periods."""
         ends = (end._replace(rate=self._rate((node.id, end.key), end)) for end in node.endpoints)
         return node._replace(endpoints=tuple(ends))

@@ -19,7 +19,7 @@ from lcmtools.bus.sockets import PlainListeners
 from lcmtools.bus.url import BusUrl, another_domain
 from lcmtools.bus.wakeup import WakeupEvent
 from lcmtools.clock import CLOCK_TOPIC
-from lcmtools.graph.model import Node, Role
+from lcmtools.graph.model import NodeInfo, Role
 from lcmtools.graph.protocol import SHUTDOWN_CHANNEL, decode_shutdown
 from lcmtools.names import base_name_of, resolve_namespace
 from lcmtools.node.announcer import Announcer
@@ -50,7 +50,7 @@ class Participant(Protocol):
     def callbacks(self) -> Callbacks:
         """The callbacks that the spin functions run."""
 
-    def describe(self) -> Node:
+    def describe(self) -> NodeInfo:
         """Return the announced description."""
 
     def get_logger(self) -> Logger:
@@ -265,10 +265,10 @@ class Context:
                 participant.get_logger().warning(text)
                 return
 
-    def _describe(self) -> list[Node]:
+    def _describe(self) -> list[NodeInfo]:
         return [self._describe_recorded(participant) for participant in tuple(self._participants)]
 
-    def _describe_recorded(self, participant: Participant) -> Node:
+    def _describe_recorded(self, participant: Participant) -> NodeInfo:
         """Return a node's description; write its record if it is new or its topics have changed."""
         node = participant.describe()
         topics = frozenset((endpoint.topic, endpoint.role) for endpoint in node.endpoints)
@@ -308,7 +308,7 @@ class Context:
                     participant.get_logger().warning(f"shutdown requested {who}")
 
 
-def _apart_from(other: Node, records: NodeRecords, url: BusUrl | None) -> str:
+def _apart_from(other: NodeInfo, records: NodeRecords, url: BusUrl | None) -> str:
     """Return how to start a node of the same name; a bus has one publisher of the time."""
     if CLOCK_TOPIC in records.topics([other.id], Role.PUBLISHER):
         return f"on another bus, with --domain {another_domain(str(url))}"

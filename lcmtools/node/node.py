@@ -133,7 +133,7 @@ class Node(Parametric, Factory):
         if self.__rosout:
             self.__rosout.is_destroyed = False  # to log errors in the program's last steps
 
-    def describe(self) -> model.Node:
+    def describe(self) -> model.NodeInfo:
         """Return the announced description of this node."""
         bus, endpoints = self.__context.bus, self.endpoints()
         return self.__identity._replace(

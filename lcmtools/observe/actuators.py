@@ -7,7 +7,7 @@ A command is recognized by its type (a velocity, an effort, a trajectory) or by 
 import re
 from collections.abc import Iterator
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.names import namespace_of
 
 JOINTS = "sensor_msgs/JointState"
@@ -36,7 +36,7 @@ def is_command_topic(topic: str, type_name: str) -> bool:
     return type_name in _COMMAND_TYPES or any(map(_WORDS.fullmatch, words))
 
 
-def unattended_commands(graph: Graph) -> Iterator[tuple[Node, Endpoint, str]]:
+def unattended_commands(graph: Graph) -> Iterator[tuple[NodeInfo, Endpoint, str]]:
     """Yield robots whose last velocity or effort came from a node or program that has ended.
 
     Each with the subscription that it came on, and the topic of the robot's odometry.

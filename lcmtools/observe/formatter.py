@@ -164,10 +164,10 @@ class MessageFormatter:
 
     def _raw(self, found: SelectedPacket) -> str:
         if self._options.form == "raw json":
-            return self._raw_record(found.packet)
+            return self._raw_json(found.packet)
         return self._headed(found, found.packet.payload.hex())
 
-    def _raw_record(self, packet: Packet, **more: str) -> str:
+    def _raw_json(self, packet: Packet, **more: str) -> str:
         topic = {"topic": packet.channel} if self._is_one_of_many() else {}
         content = {"bytes": len(packet.payload), **more, "data": packet.payload.hex()}
         return write_json({**topic, **content})
@@ -189,7 +189,7 @@ class MessageFormatter:
         paths = self._paths_behind(found.path)
         is_all = paths == (Path(),) and not self._options.condition
         if is_all and self._options.form == "json":
-            return self._raw_record(packet, error=reason.what)
+            return self._raw_json(packet, error=reason.what)
         is_new = isinstance(reason, UnknownFingerprint) and not self._notified
         remedy = (reason.hint or remedy_of_unknown()) if is_new else ""
         if is_all and self._options.form in ("text", "flow"):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from lcmtools.bounded import BoundedDict
 from lcmtools.errors import LcmtoolsError, NothingReceived, UsageError
-from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.graph.model import Graph, NodeInfo, Staleness
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -31,12 +31,12 @@ def _nonce() -> int:
     return int.from_bytes(os.urandom(7), "big") | 1
 
 
-def ping(monitor: BusMonitor, node: Node, timeout: float) -> float:
+def ping(monitor: BusMonitor, node: NodeInfo, timeout: float) -> float:
     """Return the round trip time of a request to a node [s]; NothingReceived if it is silent."""
     return next(pings(monitor, node, timeout))[1]
 
 
-def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[tuple[Node, float]]:
+def pings(monitor: BusMonitor, node: NodeInfo, timeout: float) -> Iterator[tuple[NodeInfo, float]]:
     """Yield the node and the round trip time of a request to it [s], once a second without end.
 
     If it has ended and is started anew, its next run is the node from then on.
@@ -50,7 +50,7 @@ def pings(monitor: BusMonitor, node: Node, timeout: float) -> Iterator[tuple[Nod
         time.sleep(_PING_PERIOD)
 
 
-def _answered(monitor: BusMonitor, node: Node, timeout: float) -> tuple[Node, float]:
+def _answered(monitor: BusMonitor, node: NodeInfo, timeout: float) -> tuple[NodeInfo, float]:
     """Return the node that answers a request, and the time that this took [s].
 
     The request is repeated if no answer comes. A node may answer several requests at once, and
@@ -78,13 +78,13 @@ def _answered(monitor: BusMonitor, node: Node, timeout: float) -> tuple[Node, fl
     )
 
 
-def _is_still(node: Node, other: Node, monitor: BusMonitor) -> bool:
+def _is_still(node: NodeInfo, other: NodeInfo, monitor: BusMonitor) -> bool:
     """Return whether another announcement is of a node, or of its next run."""
     is_next = other.name == node.name and other.start_time > node.start_time
     return other.id == node.id or (is_next and _has_ended(node, monitor.graph()))
 
 
-def _has_ended(node: Node, graph: Graph) -> bool:
+def _has_ended(node: NodeInfo, graph: Graph) -> bool:
     return is_gone(node) or all(one.id != node.id or bool(one.stale) for one in graph.nodes)
 
 
@@ -92,7 +92,7 @@ def _has_ended(node: Node, graph: Graph) -> bool:
 class NodeEnd:
     """The end of one node that was requested to end."""
 
-    node: Node
+    node: NodeInfo
     nonce: int  # which its answer repeats
     has_answered: bool = False  # to the request
     has_ended: bool = False  # it has said goodbye, or its process is gone
@@ -108,7 +108,7 @@ class NodeEnd:
         """Update from this computer's processes, because a goodbye may be lost."""
         self.has_ended |= is_gone(self.node)
 
-    def record(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, object]:
         """Return the result for JSON."""
         return {
             "node": self.node.name,
@@ -128,7 +128,7 @@ class NodeEnd:
         return f"{what}; {where}to end it by force, type: kill -9 {self.node.pid}"
 
 
-def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> list[NodeEnd]:
+def end_nodes(monitor: BusMonitor, nodes: Sequence[NodeInfo], timeout: float) -> list[NodeEnd]:
     """Request nodes to end and wait until they have, for ``timeout`` seconds at most."""
     known = monitor.graph().nodes
     ends = [NodeEnd(node, _nonce(), others=_others_of_process(node, known)) for node in nodes]
@@ -148,7 +148,7 @@ def end_nodes(monitor: BusMonitor, nodes: Sequence[Node], timeout: float) -> lis
     return ends
 
 
-def nodes_to_end(graph: Graph) -> list[Node]:
+def nodes_to_end(graph: Graph) -> list[NodeInfo]:
     """Return all running nodes of this bus that are not commands."""
     return [
         node
@@ -157,7 +157,7 @@ def nodes_to_end(graph: Graph) -> list[Node]:
     ]
 
 
-def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
+def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> NodeInfo:
     """Return the one node that a name, a pid or HOST:PID means.
 
     Raises:
@@ -179,7 +179,7 @@ def node_to_end(monitor: BusMonitor, graph: Graph, word: str) -> Node:
     return found[0]
 
 
-def node_to_ping(monitor: BusMonitor, graph: Graph, word: str) -> Node:
+def node_to_ping(monitor: BusMonitor, graph: Graph, word: str) -> NodeInfo:
     """Return the first node that a name or a pid means.
 
     Raises:
@@ -191,7 +191,7 @@ def node_to_ping(monitor: BusMonitor, graph: Graph, word: str) -> Node:
 
 def nodes_named(
     monitor: BusMonitor, graph: Graph, word: str, refuse: Callable[[str, Program], LcmtoolsError]
-) -> list[Node]:
+) -> list[NodeInfo]:
     """Return what ``find_nodes`` does; for a program that is not a node, raise what is returned."""
     try:
         return find_nodes(graph, word)
@@ -233,19 +233,19 @@ def _announcement(packet: Packet) -> Announcement | None:
     return decode_announcement(packet.payload) if packet.channel == NODE_CHANNEL else None
 
 
-def _nonce_for(node: Node, packet: Packet) -> int:
+def _nonce_for(node: NodeInfo, packet: Packet) -> int:
     """Return the number of a request to a node; 0 for anything else."""
     probe = decode_probe(packet.payload) if packet.channel == PROBE_CHANNEL else None
     return probe.nonce if probe and probe.target == node.name else 0
 
 
-def _process_key(node: Node) -> tuple[str, str, int, int]:
+def _process_key(node: NodeInfo) -> tuple[str, str, int, int]:
     """A key for a node's process: computers may share names, and often have the same pids."""
     place = node.sender.address if node.sender else node.bus
     return node.host, place, node.pid, node.pid_namespace
 
 
-def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:
+def _others_of_process(node: NodeInfo, known: Sequence[NodeInfo]) -> tuple[str, ...]:
     return tuple(
         other.name
         for other in known
@@ -253,7 +253,7 @@ def _others_of_process(node: Node, known: Sequence[Node]) -> tuple[str, ...]:
     )
 
 
-def _distinction(nodes: Sequence[Node]) -> str:
+def _distinction(nodes: Sequence[NodeInfo]) -> str:
     if len({node.pid for node in nodes}) == len(nodes):
         pids = [f"{node.pid} on {host_text(node)}" for node in nodes]
         return f"write a pid: {', '.join(pids)}"

@@ -5,13 +5,13 @@ a simulator that follows the time of another one publishes none.
 """
 
 from lcmtools.clock import CLOCK_TOPIC
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 
 _SERVICES = "sim_msgs/"  # types of services that only simulators offer
 _PAUSED = 1_000_000_000  # [ns] without a message of a clock, which sends ten a second at least
 
 
-def is_simulator(node: Node) -> bool:
+def is_simulator(node: NodeInfo) -> bool:
     """Return whether a node is a simulator, by the services that it offers.
 
     It obeys what it subscribes to, its topics have fixed names and types, and it measures only for
@@ -21,21 +21,21 @@ def is_simulator(node: Node) -> bool:
     return any(name.startswith(_SERVICES) for end in ends for name in end.types)
 
 
-def simulators(graph: Graph) -> list[Node]:
+def simulators(graph: Graph) -> list[NodeInfo]:
     """Return the living simulators."""
     return [node for node in graph.nodes if not node.stale and is_simulator(node)]
 
 
-def publishes_time(node: Node) -> bool:
+def publishes_time(node: NodeInfo) -> bool:
     """Return whether a node publishes the simulated time."""
     return any(e.topic == CLOCK_TOPIC for e in _published(node))
 
 
-def _published(node: Node) -> list[Endpoint]:
+def _published(node: NodeInfo) -> list[Endpoint]:
     return [end for end in node.endpoints if end.role is Role.PUBLISHER]
 
 
-def silence(node: Node, endpoint: Endpoint, now: int) -> int:
+def silence(node: NodeInfo, endpoint: Endpoint, now: int) -> int:
     """Return the time from an endpoint's last message to its node's last announcement [ns].
 
     Before the first message, it is the time since the node's start. ``now`` is the time here
@@ -44,7 +44,7 @@ def silence(node: Node, endpoint: Endpoint, now: int) -> int:
     return (node.sent or node.time_there(now)) - (endpoint.last_time or node.start_time)
 
 
-def is_paused(node: Node, now: int) -> bool:
+def is_paused(node: NodeInfo, now: int) -> bool:
     """Return whether a node publishes the simulated time, and none for a second, by its counter."""
     return any(e.topic == CLOCK_TOPIC and silence(node, e, now) > _PAUSED for e in _published(node))
 

@@ -22,11 +22,11 @@ from typing import BinaryIO, cast
 from lcmtools.errors import InvalidFile, UnknownType
 from lcmtools.message_value import MessageValue
 from lcmtools.messages import codec
+from lcmtools.messages.array_codec import Cursor
 from lcmtools.messages.coder import coder
 from lcmtools.messages.enums import enum_class
 from lcmtools.messages.python_names import python_name, python_path
 from lcmtools.messages.registry import Message, fingerprint, message_class, type_file, type_name
-from lcmtools.messages.rows import Cursor
 from lcmtools.messages.supply import current_supply, has_supply
 from lcmtools.messages.type_source import SHIPPED, TypeSource, shown
 from lcmtools.packages import provide_user_types

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from lcmtools.errors import InvalidFile, LcmtoolsError, ValueMismatch
 from lcmtools.formats.strict_json import write_json
-from lcmtools.formats.strict_yaml import Node, read_documents
+from lcmtools.formats.strict_yaml import YamlNode, read_documents
 from lcmtools.formats.yaml_problem import BadYaml
 from lcmtools.messages.fill import Value
 from lcmtools.messages.setting import read_setting, text_of
@@ -135,7 +135,7 @@ def _targets(leaf: FileParameter, known: Answers, node: str | None) -> list[tupl
     raise LcmtoolsError(f"{leaf.place}: there is no node {name}", hint)
 
 
-def _documents(text: str, source: str) -> list[Node]:
+def _documents(text: str, source: str) -> list[YamlNode]:
     try:
         return [node for node in read_documents(text) if node]
     except BadYaml as bad:
@@ -145,7 +145,7 @@ def _documents(text: str, source: str) -> list[Node]:
         raise InvalidFile(f"{source}:{bad.line or 1}: not YAML: {bad.problem}", bad.hint) from None
 
 
-def _flat(node: Node, path: _Path) -> Iterator[tuple[_Path, Node]]:
+def _flat(node: YamlNode, path: _Path) -> Iterator[tuple[_Path, YamlNode]]:
     if isinstance(node.value, dict):
         for key, part in node.value.items():
             yield from _flat(part, (*path, key))

@@ -28,7 +28,7 @@ def all_values(answers: Answers) -> dict[str, object]:
     return {node: values(parameters) for node, parameters in answers.items()}
 
 
-def record(node: str, parameter: Parameter) -> dict[str, object]:
+def to_json(node: str, parameter: Parameter) -> dict[str, object]:
     """Return a parameter with its description and range, for JSON."""
     return {
         "node": node,
@@ -42,7 +42,7 @@ def record(node: str, parameter: Parameter) -> dict[str, object]:
     }
 
 
-def rows(node: str, parameter: Parameter) -> Iterator[str]:
+def to_lines(node: str, parameter: Parameter) -> Iterator[str]:
     """Yield the lines of ``param describe``."""
     yield f"Parameter: {node}/{parameter.name}"
     yield f"  Type: {parameter.type}"

@@ -11,10 +11,10 @@ from typing import TypeAlias
 
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import LcmtoolsError, ServiceError, ServiceTimeout, UsageError, ValueMismatch
-from lcmtools.graph.model import Graph, Node, Role
+from lcmtools.graph.model import Graph, NodeInfo, Role
 from lcmtools.messages.setting import ParameterValue, read_setting
 from lcmtools.names import MAX_CHANNEL_BYTES, did_you_mean
-from lcmtools.node import node as nodes
+from lcmtools.node.node import Node
 from lcmtools.node.parameters import service_name
 from lcmtools.node.service import Client, request_channel
 from lcmtools.observe.reading.find import find_node
@@ -47,7 +47,7 @@ class ParameterClient:
     url: BusUrl
     timeout: float
 
-    def get_all(self, nodes: Sequence[Node]) -> tuple[Answers, list[ServiceError]]:
+    def get_all(self, nodes: Sequence[NodeInfo]) -> tuple[Answers, list[ServiceError]]:
         """Return the parameters of nodes, and the errors of those that did not answer."""
         if not nodes:
             return {}, []
@@ -75,7 +75,7 @@ class ParameterClient:
 
 
 def request_parameters(
-    own: nodes.Node, node: str, timeout: float, texts: Mapping[str, str] | None = None
+    own: Node, node: str, timeout: float, texts: Mapping[str, str] | None = None
 ) -> Parameters:
     """Set the parameters that ``texts`` has, all or none; return all of the node's, sorted.
 
@@ -126,14 +126,14 @@ def value_of(parameter: msgs.Parameter) -> ParameterValue:
         return parameter.value
 
 
-def has_parameters(node: Node) -> bool:
+def has_parameters(node: NodeInfo) -> bool:
     """Return whether a node announces a service for its parameters."""
     return service_name(node.name) in (end.topic for end in node.having(Role.SERVICE))
 
 
-def nodes_with_parameters(graph: Graph) -> list[Node]:
+def nodes_with_parameters(graph: Graph) -> list[NodeInfo]:
     """Return the nodes that have parameters, sorted by name; of those of one name, a living one."""
-    found: dict[str, Node] = {}
+    found: dict[str, NodeInfo] = {}
     for node in graph.nodes:
         known = found.get(node.name)
         if has_parameters(node) and (known is None or known.stale):
@@ -141,7 +141,7 @@ def nodes_with_parameters(graph: Graph) -> list[Node]:
     return list(found.values())
 
 
-def require_parameters(node: Node) -> Node:
+def require_parameters(node: NodeInfo) -> NodeInfo:
     """Return a node that runs and has parameters; LcmtoolsError if it does not."""
     if node.stale:
         raise LcmtoolsError(f"{node.name} {node.stale}", "lcmtools node list shows the nodes")
@@ -166,12 +166,12 @@ def pick(parameters: Parameters, name: str, node: str, place: str = "") -> msgs.
 class ParameterTarget:
     """One node and its parameter (None: all of them), or the nodes of a namespace."""
 
-    nodes: tuple[Node, ...]
+    nodes: tuple[NodeInfo, ...]
     parameter: str | None = None
     is_namespace: bool = False
 
     @property
-    def node(self) -> Node:
+    def node(self) -> NodeInfo:
         """The only node; UsageError for a namespace."""
         if self.is_namespace:
             names = ", ".join(node.name for node in self.nodes)

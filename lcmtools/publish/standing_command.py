@@ -9,7 +9,7 @@ from shlex import quote
 from typing import NamedTuple
 
 from lcmtools.formats.strict_json import write_json
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Graph, NodeInfo
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.plain import cells, to_plain
@@ -47,7 +47,7 @@ class StandingCommand(NamedTuple):
         return f"{self.said}, and remains in effect until another one comes{hint}"
 
 
-def obeying(graph: Graph, topic: str, kind: str) -> list[Node]:
+def obeying(graph: Graph, topic: str, kind: str) -> list[NodeInfo]:
     """Return the living nodes that would obey a topic's messages of a type as commands."""
     nodes = {node.id: node for node, _ in graph.topic(topic).subscribers}
     commands = is_command_topic(topic, kind)

@@ -10,7 +10,7 @@ from lcmtools import __version__
 from lcmtools.arguments import split_arguments
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph import protocol
-from lcmtools.graph.model import CallbackError, Endpoint, Node, Role
+from lcmtools.graph.model import CallbackError, Endpoint, NodeInfo, Role
 from lcmtools.messages.codec import encode
 from lcmtools.messages.setting import read_setting
 from lcmtools.names import Resolver
@@ -284,7 +284,7 @@ def _messages():
         rate=1.5,
     )
     error = CallbackError("/a", "KeyError", "'x'", "a.py:3", 4, 5)
-    node = Node(
+    node = NodeInfo(
         "/n/é",
         "id",
         "host",

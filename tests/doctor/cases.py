@@ -105,7 +105,7 @@ def kinds_of(finding):
 
 def _data(finding):
     """A finding as JSON, without what its text says and without what is empty."""
-    record = report.record(finding)
+    record = report.to_json(finding)
     title, items, remedies = report.describe(finding)
     assert record.pop("text") == title
     assert record.pop("items") == [item.strip(" *") for item in items]

@@ -21,7 +21,7 @@ import pytest
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.builder import MOST_FLOWS, MOST_NODES, GraphBuilder
-from lcmtools.graph.model import CallbackError, Endpoint, Node, RelayStep, Role
+from lcmtools.graph.model import CallbackError, Endpoint, NodeInfo, RelayStep, Role
 from lcmtools.graph.protocol import (
     ANSWER_SPREAD,
     NODE_CHANNEL,
@@ -72,7 +72,7 @@ def _announcement(chance):
     )
     errors = (CallbackError(_text(chance), "E", _text(chance), "a.py:1", 1, 1),)
     path = (RelayStep("r", "/r", _text(chance)),) if chance.random() < 0.1 else ()
-    node = Node(f"/stranger_{number}", f"id{number}", _text(chance), number, path=path)
+    node = NodeInfo(f"/stranger_{number}", f"id{number}", _text(chance), number, path=path)
     node = node._replace(endpoints=ends, errors=errors, command=_text(chance))
     return encode_announcement(Announcement(node, chance.random() < 0.1, chance.randrange(9)))
 

@@ -12,7 +12,7 @@ from lcmtools.bus.socket_filter import heads_only
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -82,7 +82,7 @@ def test_the_graph_counts_the_bytes_of_whole_messages(tap, bus_url):
 
 def test_an_announcement_comes_whole_however_large_it_is(tap):
     endpoints = tuple(Endpoint(f"/a_long_topic_name/{n}", Role.PUBLISHER) for n in range(2000))
-    node = Node("/large", "1", "here", 1, endpoints=endpoints)
+    node = NodeInfo("/large", "1", "here", 1, endpoints=endpoints)
     payload = encode_announcement(Announcement(node))
     assert len(payload) > 100_000
     for end in ("END 1", "END 2"):  # the kernel lets the rest pass once it knows the sender

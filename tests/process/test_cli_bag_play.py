@@ -15,8 +15,7 @@ from fixtures.wire import encode_event
 from lcmtools import Node
 from lcmtools.bag.writer import LogWriter
 from lcmtools.bus.udp_sender import PACED_ABOVE_BYTES
-from lcmtools.graph.model import Endpoint, Role
-from lcmtools.graph.model import Node as GraphNode
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.types.geometry_msgs import Twist
@@ -340,7 +339,7 @@ def map_log(tmp_path):
     """A log of 20 s whose node has latched /map at its start, and /odom."""
     path = tmp_path / "map.lcmlog"
     end = Endpoint("/map", Role.PUBLISHER, ("nav_msgs/Odometry",), latched=True)
-    said = encode_announcement(Announcement(GraphNode("/maps", "1", "ada", 1, endpoints=(end,))))
+    said = encode_announcement(Announcement(NodeInfo("/maps", "1", "ada", 1, endpoints=(end,))))
     with LogWriter(path) as writer:
         sender = writer.sender_number(Sender("127.0.0.1", 1), "/maps")
         writer.add_node(RecordedNode(START, sender, said))

@@ -12,7 +12,7 @@ from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.udp_bus import UdpBus
 from lcmtools.bus.url import parse_url
 from lcmtools.cli.main import main
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -36,7 +36,7 @@ _ENDPOINTS = (
 def stranger(bus_url, cli):
     """A node that has such names; run commands beside it."""
     bus = UdpBus(parse_url(bus_url))
-    node = Node("/stranger", "id", _EVIL, os.getpid(), command=_EVIL, endpoints=_ENDPOINTS)
+    node = NodeInfo("/stranger", "id", _EVIL, os.getpid(), command=_EVIL, endpoints=_ENDPOINTS)
 
     def answer(payload, _time):
         probe = decode_probe(payload)

@@ -12,11 +12,11 @@ HOST = socket.gethostname()
 _ELSEWHERE = """
 import time
 import lcm
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 
 bus = lcm.LCM()
-node = Node("/far/away", "id-1", "far-computer", 7, start_time=time.time_ns())
+node = NodeInfo("/far/away", "id-1", "far-computer", 7, start_time=time.time_ns())
 while True:
     bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, False, 0)))
     print("announced", flush=True)

@@ -12,7 +12,7 @@ from fixtures.says import assert_line, assert_says
 from lcmtools import Node
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Node as Model
+from lcmtools.graph.model import NodeInfo
 from lcmtools.publish import subscriber_wait
 from lcmtools.types.rosgraph_msgs import Clock
 
@@ -87,7 +87,7 @@ def test_nodes_of_this_computer_that_have_not_answered_are_waited_for(
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.setattr(subscriber_wait, "_ANSWERED", 0.3)
     records = NodeRecords(parse_url(bus_url), {"XDG_RUNTIME_DIR": str(tmp_path)})
-    records.write(Model(name="/busy", id="busy", host=socket.gethostname(), pid=os.getpid()))
+    records.write(NodeInfo(name="/busy", id="busy", host=socket.gethostname(), pid=os.getpid()))
     bus = {"LCM_DEFAULT_URL": bus_url, "XDG_RUNTIME_DIR": str(tmp_path)}
     start_python(_PLAIN_LISTENER, **bus).wait_for("ready")
     started = time.monotonic()

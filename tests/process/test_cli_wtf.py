@@ -13,7 +13,7 @@ from fixtures.wire import encode_event
 from lcmtools.bus.url import parse_url
 from lcmtools.doctor.evidence import Evidence, Listener, Oddity
 from lcmtools.doctor.saved import save
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Graph, NodeInfo
 from lcmtools.labs.nodes.simple_controller import SimpleController
 from lcmtools.wire.packet import Packet
 
@@ -127,7 +127,7 @@ def judge(cli, tmp_path):
 
 EMPTY = Evidence("udpm://239.255.76.67:7667?ttl=0", listened=0.2)
 INFINITE = Oddity("not-finite", "/cmd", "driver.py (pid 7)", "linear.x is inf", 18)
-NODES = Graph((Node("/n", "n", "h", 1),))
+NODES = Graph((NodeInfo("/n", "n", "h", 1),))
 
 
 def test_an_empty_bus_is_a_warning_under_both_names(judge):

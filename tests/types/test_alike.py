@@ -6,7 +6,7 @@ import pytest
 
 from lcmtools import message_class
 from lcmtools.graph.builder import _with_observed_topics
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import fingerprint
 from lcmtools.observe.channels.columns import type_text as column_text
@@ -14,7 +14,7 @@ from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.observe.reading.decoding import possible_types
 from lcmtools.observe.reports import node_report
 from lcmtools.observe.reports.bus_diagram import diagram_of
-from lcmtools.observe.reports.describe import topic_kinds, type_text, types_record
+from lcmtools.observe.reports.describe import topic_kinds, type_text, types_json
 from lcmtools.wire.packet import Sender
 
 POINTS = ["arm/point_t", "geometry_msgs/Vector3", "geometry_msgs/Point"]
@@ -60,7 +60,7 @@ def test_the_likeliest_type_of_a_channel_comes_first(
 
 
 def seen(*ends):
-    node = Node("/n", "n", "h", 1, endpoints=ends)
+    node = NodeInfo("/n", "n", "h", 1, endpoints=ends)
     traffic = Traffic("A", SENDER, (number("arm/point_t"),), 1, 32, 0, 0)
     return Graph((node,) if ends else (), (traffic,))
 
@@ -69,7 +69,7 @@ def test_what_is_uncertain_is_marked(family):
     family("alike")
     topic = seen().topic("A")
     assert type_text(topic) == "arm/point_t (one of 3)"
-    assert types_record(topic_kinds(topic)) == {"type": "arm/point_t", "types": POINTS}
+    assert types_json(topic_kinds(topic)) == {"type": "arm/point_t", "types": POINTS}
     assert column_text(ChannelRow("A", tuple(POINTS), messages=1)) == "arm/point_t +2"
 
 
@@ -78,15 +78,15 @@ def test_what_is_announced_is_not(family):
     end = Endpoint("A", Role.SUBSCRIBER, ("geometry_msgs/Point",), (number("arm/point_t"),))
     topic = seen(end).topic("A")
     assert type_text(topic) == "geometry_msgs/Point"
-    assert types_record(topic_kinds(topic))["types"] == ["geometry_msgs/Point"]
+    assert types_json(topic_kinds(topic))["types"] == ["geometry_msgs/Point"]
 
 
 def test_a_node_whose_announcement_is_not_readable_has_the_types_of_its_messages(family):
     family("alike")
-    node = Node("/n", "n", "h", 1, sender=SENDER, has_details=False)
+    node = NodeInfo("/n", "n", "h", 1, sender=SENDER, has_details=False)
     node = _with_observed_topics(node, {SENDER: seen().traffic})
     assert " * A [arm/point_t (one of 3)]" in node_report.roles(node, show_hidden=False)
-    record = node_report.record(node, Graph((node,)), 0)
+    record = node_report.to_json(node, Graph((node,)), 0)
     (publication,) = record["publications"]
     assert publication["types"] == POINTS
     (channel,) = diagram_of(Graph((node,), seen().traffic), (), None).channels

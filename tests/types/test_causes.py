@@ -7,7 +7,7 @@ import pytest
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.report import unchecked
 from lcmtools.doctor.sentences import unchecked_text
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.messages.supply import set_supply
 from lcmtools.observe.reading.decoding import remedy_of_unknown
 from lcmtools.packages import provide_user_types
@@ -147,7 +147,7 @@ def test_wtf_says_which_announced_types_cannot_be_used(types):
     topics = [Endpoint(f"/{n}", Role.PUBLISHER, (name,), (n + 1,)) for n, name in enumerate(names)]
     provide_user_types()
     try:
-        graph = Graph((Node("/a", "1", "husky", 12, endpoints=tuple(topics)),))
+        graph = Graph((NodeInfo("/a", "1", "husky", 12, endpoints=tuple(topics)),))
         found = list(unchecked(Evidence(url="memq://", graph=graph)))
     finally:
         set_supply(None)

@@ -5,7 +5,7 @@ from fixtures.judging import findings
 
 from lcmtools import message_class
 from lcmtools.doctor.findings import Severity
-from lcmtools.graph.model import Endpoint, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, Role, Traffic
 from lcmtools.messages.fields import Field, fields
 from lcmtools.messages.type_versions import added_and_missing, fingerprint_of
 from lcmtools.wire.packet import Sender
@@ -38,7 +38,7 @@ def test_a_channel_that_is_named_in_the_code_is_not_remapped():
     string = message_class("std_msgs/String")
     number = fingerprint_of(fields(string))
     end = Endpoint("POSE", Role.PUBLISHER, ("std_msgs/String",), (number,))
-    node = Node("/pub", "p", "h", 1, endpoints=(end,), tool=True)
+    node = NodeInfo("/pub", "p", "h", 1, endpoints=(end,), tool=True)
     twist = seen(fields(message_class("geometry_msgs/Twist")), "POSE")
     found = findings(node, traffic=[twist])["type-mismatch"]
     assert not any(":=" in remedy for remedy in found.remedies), found.remedies

@@ -57,14 +57,14 @@ class Rerun:
 
     def __str__(self) -> str:
         """Return the report as text."""
-        return "\n".join(rows(self))
+        return "\n".join(to_lines(self))
 
     def after(self, time: int) -> float:
         """Return the seconds from the start of what was played to a time of the log [ns]."""
         return (time - self.start) / 1e9
 
 
-def rows(result: Rerun) -> list[str]:
+def to_lines(result: Rerun) -> list[str]:
     """Return the lines of a report."""
     run, topics = result.run, result.topics
     lasted = f"{result.seconds:.1f} s of the log in {result.duration:.1f} s"
@@ -79,7 +79,7 @@ def rows(result: Rerun) -> list[str]:
     return [*found, "equal" if result else "different"]
 
 
-def record(result: Rerun) -> dict[str, object]:
+def to_json(result: Rerun) -> dict[str, object]:
     """Return the report for JSON; times are seconds after the start of what was played."""
     run = result.run
     topics = []

@@ -22,7 +22,7 @@ from lcmtools.bag.times import LogTime
 from lcmtools.bus.step_bus import DONE_CHANNEL, STEP_CHANNEL
 from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS, split_stamp
 from lcmtools.graph.common_topics import OF_EVERY_NODE
-from lcmtools.graph.model import Node, Role
+from lcmtools.graph.model import NodeInfo, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -92,7 +92,7 @@ class Run:
     published: list[tuple[str, Compared]] = field(default_factory=list)  # with the topics
     inputs: int = 0  # messages sent
     input_topics: set[str] = field(default_factory=set)
-    announced: dict[str, Node] = field(default_factory=dict)  # nodes by their ids
+    announced: dict[str, NodeInfo] = field(default_factory=dict)  # nodes by their ids
     errors: list[str] = field(default_factory=list)  # what nodes logged as errors
     trouble: str = ""  # why it did not come to its end
     last_lines: list[str] = field(default_factory=list)

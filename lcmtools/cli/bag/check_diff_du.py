@@ -33,7 +33,7 @@ def check(file: str, *, against: str, as_json: bool) -> int:
         for one, where in zip(found, place, strict=True)
     ]
     write_result(
-        [one.record() for one in found], rows or [f"{file} meets {against}"], as_json=as_json
+        [one.to_json() for one in found], rows or [f"{file} meets {against}"], as_json=as_json
     )
     return 1 if found else 0
 

@@ -74,7 +74,7 @@ def fix(source: str, target: str, *, force: bool, as_json: bool) -> int:
     """
     with LogFile(source) as log:
         damage = find_damage(log)
-        more = {"left_out": [part.record() for part in damage]}
+        more = {"left_out": [part.to_json() for part in damage]}
         manner = {"force": force, "as_json": as_json, "tell_damage": False}  # told below
         write(target, log.packets(), log, more=lambda: more, **manner)
     write_lines([] if as_json else damage_rows(damage))

@@ -152,10 +152,10 @@ def import_(
         packets,
         force=force,
         as_json=as_json,
-        more=report.record,
+        more=report.to_json,
         types=reading.types.values(),
         nodes=reading.nodes(),
     )
-    for text in report.rows():
+    for text in report.to_lines():
         write_note(text)
     return 0 if report.is_complete else 1

@@ -23,11 +23,11 @@ def info(files: tuple[str, ...], *, as_json: bool) -> None:
     """
     found = list(map(summary_of, files))
     if as_json:
-        write_document(list(map(summary_report.record, found)))
+        write_document(list(map(summary_report.to_json, found)))
         return
     for number, summary in enumerate(found):
         write_lines([""] if number else [])
-        write_lines(summary_report.rows(summary))
+        write_lines(summary_report.to_lines(summary))
 
 
 @subcommand("reindex", json_option)

@@ -8,7 +8,7 @@ import click
 
 from lcmtools.bag.rerunning.programs import Program, Tested, tested
 from lcmtools.bag.rerunning.rerun import rerun
-from lcmtools.bag.rerunning.rerun_report import draw, record, rows
+from lcmtools.bag.rerunning.rerun_report import draw, to_json, to_lines
 from lcmtools.bag.rerunning.rerun_report import junit as junit_of
 from lcmtools.bag.rerunning.rerun_report import save as save_log
 from lcmtools.cli.bag.common import force_option, not_negative, window_options
@@ -98,7 +98,7 @@ def command(
             **typed,
         )
         line.clear()
-    write_result(record(result), rows(result), as_json=as_json)
+    write_result(to_json(result), to_lines(result), as_json=as_json)
     if save:
         save_log(result, save, force=force)
     if junit:

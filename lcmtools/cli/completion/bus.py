@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from lcmtools.cli.completion.situation import FILES, Candidate, Situation
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.names import base_name_of, is_hidden, namespace_of, spellings
 from lcmtools.observe.simulators import is_simulator
 
@@ -152,7 +152,7 @@ def _relative(name: str, situation: Situation) -> str:
     return name.removeprefix(situation.namespace.rstrip("/")).removeprefix("/")
 
 
-def _robots_of(node: Node) -> set[str]:
+def _robots_of(node: NodeInfo) -> set[str]:
     """Return the namespaces that a simulator receives commands for."""
     if not is_simulator(node):
         return set()

@@ -12,7 +12,7 @@ from lcmtools.errors import LcmtoolsError
 
 if TYPE_CHECKING:  # imported only to observe the bus
     from lcmtools.bus.url import BusUrl
-    from lcmtools.graph.model import Graph, Node
+    from lcmtools.graph.model import Graph, NodeInfo
 
 
 class Candidate(NamedTuple):
@@ -115,7 +115,7 @@ class Situation:
         except LcmtoolsError:
             return "/"
 
-    def _silent_nodes(self, answered: Container[str]) -> "Iterator[Node]":
+    def _silent_nodes(self, answered: Container[str]) -> "Iterator[NodeInfo]":
         """Yield the nodes that run on this computer and have not answered."""
         from lcmtools.bus.records import NodeRecords
         from lcmtools.graph.model import Staleness

@@ -7,7 +7,7 @@ from lcmtools.cli.declare import argument, examples, flag, subcommand
 from lcmtools.cli.options import json_option, looking_options
 from lcmtools.cli.output import write_document, write_lines
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Graph, NodeInfo
 from lcmtools.observe.node_requests import find_programs
 from lcmtools.observe.reading.find import find_nodes
 from lcmtools.observe.reading.monitor import BusMonitor
@@ -33,7 +33,9 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
         graph = monitor.settle(foreign=False)
         found = [one for word in nodes for one in _find(monitor, graph, word)]
         graph = monitor.graph()
-    nodes_found = [] if quiet and not as_json else [one for one in found if isinstance(one, Node)]
+    nodes_found = (
+        [] if quiet and not as_json else [one for one in found if isinstance(one, NodeInfo)]
+    )
     able = [node for node in nodes_found if _can_be_asked(node)]
     known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
     now = graph.time if monitor.is_log else time.time_ns()
@@ -42,7 +44,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
         return
     for one in found:
         if isinstance(one, Program):
-            write_lines(program_report.rows(one, now, quiet=quiet))
+            write_lines(program_report.to_lines(one, now, quiet=quiet))
             continue
         if quiet:
             write_lines(node_report.roles(one, show_hidden=show_hidden))
@@ -50,10 +52,10 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
                 notify(f"{one.name} is stale: {one.stale}")
             continue
         parameters = _parameters(one, known)
-        write_lines(node_report.rows(one, graph, now, parameters, show_hidden=show_hidden))
+        write_lines(node_report.to_lines(one, graph, now, parameters, show_hidden=show_hidden))
 
 
-def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Program]:
+def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[NodeInfo] | list[Program]:
     try:
         return find_nodes(graph, in_names(word))
     except UsageError:
@@ -64,11 +66,11 @@ def _find(monitor: BusMonitor, graph: Graph, word: str) -> list[Node] | list[Pro
         raise
 
 
-def _can_be_asked(node: Node) -> bool:
+def _can_be_asked(node: NodeInfo) -> bool:
     return has_parameters(node) and not (node.stale or node.is_recorded)
 
 
-def _parameters(node: Node, known: Answers) -> list[str]:
+def _parameters(node: NodeInfo, known: Answers) -> list[str]:
     if not _can_be_asked(node):
         return []
     if node.name not in known:
@@ -76,9 +78,9 @@ def _parameters(node: Node, known: Answers) -> list[str]:
     return ["Parameters: ", *block(known[node.name], " * ")]
 
 
-def _record(one: Node | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
+def _record(one: NodeInfo | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
     if isinstance(one, Program):
-        return program_report.record(one)
+        return program_report.to_json(one)
     parameters = known.get(one.name)
     known_values = None if parameters is None else values(parameters)
-    return {**node_report.record(one, graph, now), "parameters": known_values}
+    return {**node_report.to_json(one, graph, now), "parameters": known_values}

@@ -9,7 +9,7 @@ from lcmtools.cli.declare import argument, duration, examples, flag, option, sub
 from lcmtools.cli.options import asking_options, json_option
 from lcmtools.cli.output import write_document, write_lines, write_note
 from lcmtools.errors import UsageError
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.observe.node_requests import NodeEnd, end_nodes, node_to_end, nodes_to_end
 from lcmtools.text_table import plural
 
@@ -45,14 +45,14 @@ def command(
             write_lines(several if len(found) > 1 else [f"killing {found[0].name}"])
         ends = end_nodes(monitor, found, timeout)
     if as_json:
-        write_document([end.record() for end in ends])
+        write_document([end.to_json() for end in ends])
     elif found:  # as in rosnode kill; with names unless all have ended
         killed = [f"killed {end.node.name}" for end in ends if end.has_ended]
         write_lines(["killed"] if len(killed) == len(ends) else killed)
     return _complain(ends, timeout)
 
 
-def _confirmed(nodes: list[Node]) -> list[Node]:
+def _confirmed(nodes: list[NodeInfo]) -> list[NodeInfo]:
     if not sys.stdin.isatty():
         what = f"--all would kill {plural(len(nodes), 'node')} and needs confirmation"
         raise UsageError(what, "add --yes")
@@ -65,7 +65,7 @@ def _confirmed(nodes: list[Node]) -> list[Node]:
     return []
 
 
-def _chosen(nodes: list[Node]) -> list[Node]:
+def _chosen(nodes: list[NodeInfo]) -> list[NodeInfo]:
     """Let the user choose a node from a list, as in rosnode kill."""
     for number, node in enumerate(nodes, 1):
         write_note(f"{number}. {node.name}")

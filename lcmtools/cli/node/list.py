@@ -51,14 +51,14 @@ def list_nodes(
     nodes = [node for node in graph.nodes if pattern.means_node(node.name)]
     others = programs(graph, url) if (show_all or not nodes) and not namespace else []
     if as_json:
-        records = [program_report.record(one) for one in others if show_all]
-        write_document([*map(node_list_report.record, nodes), *records])
+        records = [program_report.to_json(one) for one in others if show_all]
+        write_document([*map(node_list_report.to_json, nodes), *records])
     elif count:
         write_data(str(len(nodes)))
     elif uri:
         write_lines(f"udp://{node.sender}/" if node.sender else "unknown address" for node in nodes)
     elif show_all:
-        write_lines(node_list_report.rows(nodes, graph.time))
+        write_lines(node_list_report.to_lines(nodes, graph.time))
         rows = (row for one in others for row in program_report.listed_rows(one))
         write_lines(["", _HEADING, *rows] if others else [])
     else:

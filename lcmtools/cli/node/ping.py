@@ -9,7 +9,7 @@ from lcmtools.cli.declare import argument, examples, flag, option, subcommand, w
 from lcmtools.cli.options import asking_options, json_option, timeout_option
 from lcmtools.cli.output import write_data, write_document, write_lines, write_note
 from lcmtools.errors import NothingReceived, UsageError
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.observe.node_requests import node_to_ping, ping, pings
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.observe.reports.node_report import ping_reply, ping_summary
@@ -45,7 +45,7 @@ def command(
 
 
 def _ping_one(
-    monitor: BusMonitor, node: Node, count: int | None, timeout: float, *, as_json: bool
+    monitor: BusMonitor, node: NodeInfo, count: int | None, timeout: float, *, as_json: bool
 ) -> None:
     """Ping a node repeatedly, and print a summary, also after Ctrl-C."""
     times: list[float] = []
@@ -72,7 +72,7 @@ def _ping_one(
             write_lines(ping_summary(times))
 
 
-def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json: bool) -> int:
+def _ping_all(monitor: BusMonitor, nodes: list[NodeInfo], timeout: float, *, as_json: bool) -> int:
     if not nodes:
         write_note(f"no nodes on {monitor.url}")
     if nodes and not as_json:
@@ -95,7 +95,7 @@ def _ping_all(monitor: BusMonitor, nodes: list[Node], timeout: float, *, as_json
     return 0 if len(answered) == len(nodes) else NothingReceived.exit_code
 
 
-def _try(monitor: BusMonitor, node: Node, timeout: float, *, as_json: bool) -> float | None:
+def _try(monitor: BusMonitor, node: NodeInfo, timeout: float, *, as_json: bool) -> float | None:
     """Ping a node once and print the result. Return the seconds, or None without an answer."""
     if not as_json:
         write_data(f"pinging {node.name} with a timeout of {timeout}s")

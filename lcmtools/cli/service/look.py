@@ -26,7 +26,7 @@ def list_services(
     services = offered_services(graph, in_names(namespace), show_all=show_all)
     rows = (_row(s, show_types=show_types, show_nodes=show_nodes) for s in services)
     none = f"no services{f' in {namespace}' if namespace else ''} on {url}"
-    write_result([one.record() for one in services], rows, as_json=as_json, none=none)
+    write_result([one.to_json() for one in services], rows, as_json=as_json, none=none)
 
 
 def _row(service: OfferedService, *, show_types: bool, show_nodes: bool) -> str:
@@ -85,5 +85,5 @@ def info(services: tuple[str, ...], *, as_json: bool) -> None:
     from lcmtools.observe.reports import service_report  # the others do without
 
     found = _find("service_info", *services)
-    rows = (row for one in found for row in service_report.rows(one, is_only=len(found) == 1))
-    write_result(list(map(service_report.record, found)), rows, as_json=as_json)
+    rows = (row for one in found for row in service_report.to_lines(one, is_only=len(found) == 1))
+    write_result(list(map(service_report.to_json, found)), rows, as_json=as_json)

@@ -76,11 +76,11 @@ def command(
         url = monitor.url
     rows = view.rows(found)
     if as_json:
-        write_document(list(map(channel_report.record, rows)))
+        write_document(list(map(channel_report.to_json, rows)))
         return 0
     if rows:
         room = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-        write_lines(channel_report.rows(rows, room))
+        write_lines(channel_report.to_lines(rows, room))
     else:
         where = f" in {', '.join(topics)}" if topics else ""
         write_note(f"no topics{where}{f' with {text!r}' if text else ''} on {url}")

@@ -162,8 +162,8 @@ def measure(
 
 
 def _print(found: Mapping[str, Any], form: ReportForm, *, as_json: bool) -> None:
-    records = (write_json(form.record(*one)) for one in found.items())
-    write_lines(records if as_json else form.rows(found))
+    records = (write_json(form.to_json(*one)) for one in found.items())
+    write_lines(records if as_json else form.to_lines(found))
 
 
 def notify_single(windows: Mapping[str, Window[Any, Any]], noun: str) -> None:

@@ -4,7 +4,7 @@ from lcmtools.cli.bus import look, looking_names, open_monitor
 from lcmtools.cli.declare import argument, duration, examples, flag, option, subcommand
 from lcmtools.cli.options import all_option, json_option, looking_options
 from lcmtools.cli.output import write_data, write_document, write_lines, write_note, write_result
-from lcmtools.errors import LcmtoolsError, ValueMismatch
+from lcmtools.errors import LcmtoolsError, UsageError, ValueMismatch
 from lcmtools.graph.model import Topic
 from lcmtools.messages.path import Path, target
 from lcmtools.messages.registry import message_class, type_name
@@ -18,7 +18,7 @@ from lcmtools.observe.reports.describe import (
     UNKNOWN,
     fingerprint_rows,
     topic_kinds,
-    types_record,
+    types_json,
 )
 from lcmtools.observe.reports.program_report import listeners_text
 
@@ -42,17 +42,19 @@ def command(topics: tuple[str, ...], *, wait: float | None, verbose: bool, as_js
 
         try:
             graph, counters = watch_counters(monitor, topics, wait, names, with_messages=verbose)
+        except UsageError:
+            raise
         except LcmtoolsError as error:
             listeners = listening_programs(monitor.graph(), monitor.url)
             raise _perhaps_received(error, listeners_text(listeners)) from None
         listeners = listening_programs(graph, monitor.url)
     found = selected_topics(graph, topics, names)
     if as_json:
-        write_document([topic_report.record(topic, counters, listeners) for topic in found])
+        write_document([topic_report.to_json(topic, counters, listeners) for topic in found])
         return
     for topic in found:
         write_lines([f"Topic: {topic.name}"] if len(found) > 1 else [])
-        write_lines(topic_report.rows(topic, counters, listeners, verbose=verbose))
+        write_lines(topic_report.to_lines(topic, counters, listeners, verbose=verbose))
 
 
 def _perhaps_received(error: LcmtoolsError, listeners: str) -> LcmtoolsError:
@@ -97,7 +99,7 @@ def _record_and_text(topic: Topic, path: Path) -> tuple[dict[str, object], str]:
     """Return a topic's type, or that of a field, for JSON and as a line."""
     from lcmtools.messages.definition import array_type
 
-    record = types_record(topic_kinds(topic), topic.name)
+    record = types_json(topic_kinds(topic), topic.name)
     text = str(record["type"] or NO_TYPE)
     if not path.steps or text == UNKNOWN:
         type_ = None if text == UNKNOWN else record["type"]

@@ -54,9 +54,9 @@ def command(
     if count_topics:
         write_data(str(len(topics)))
         return
-    rows = listed.rows_by_host(topics) if by_hosts else listed.rows(topics)
+    rows = listed.rows_by_host(topics) if by_hosts else listed.to_lines(topics)
     none = f"no topics{f' in {namespace}' if namespace else ''} on {url}"
-    write_result(list(map(listed.record, topics)), rows, as_json=as_json, none=none)
+    write_result(list(map(listed.to_json, topics)), rows, as_json=as_json, none=none)
     if subscribed and listeners and not verbose:
         from lcmtools.observe.reports.program_report import listeners_text
 

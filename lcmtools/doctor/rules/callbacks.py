@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from lcmtools.doctor.evidence import Evidence, derived
 from lcmtools.doctor.findings import Finding, Part, Severity, Statement, finding, rule, state
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import busy_share, callback_time
 
@@ -31,8 +31,8 @@ _SPIN = {"spin": "let {node} call spin(node), or spin_once often"}
 
 @dataclass(frozen=True, slots=True)
 class _Work:  # a node's work between the start and the end of the look
-    earlier: Node
-    node: Node  # as it is now
+    earlier: NodeInfo
+    node: NodeInfo  # as it is now
     pairs: tuple[tuple[Endpoint, Endpoint], ...]  # each endpoint as it was and as it is
 
     def blocking_work(self, endpoint: Endpoint, least: float) -> tuple[str, float]:
@@ -68,7 +68,7 @@ class _Subscription:  # a subscription with a queue, between the start and the e
     hangs: int  # [ns] that a call of its callback runs and does not end; 0 for none
 
     @property
-    def node(self) -> Node:
+    def node(self) -> NodeInfo:
         return self.work.node
 
     @property
@@ -209,7 +209,7 @@ def callbacks_are_quick(evidence: Evidence) -> Iterator[Finding]:
     yield from finding("never-called", facts, *(state("spin", node=node) for node, _ in waiting))
 
 
-def _never_called(evidence: Evidence) -> Iterator[tuple[Node, Endpoint]]:
+def _never_called(evidence: Evidence) -> Iterator[tuple[NodeInfo, Endpoint]]:
     """Yield subscriptions whose callbacks never ran, although the node had time for them."""
     for node in evidence.graph.nodes:
         age = (node.time_there(evidence.graph.time) - node.start_time) / 1e9
@@ -228,7 +228,7 @@ def busy_nodes(evidence: Evidence) -> set[str]:
 @derived
 def _slow_work(
     evidence: Evidence,
-) -> tuple[list[_Subscription], list[_Subscription], list[tuple[Node, float, str]]]:
+) -> tuple[list[_Subscription], list[_Subscription], list[tuple[NodeInfo, float, str]]]:
     """Return subscriptions that lose messages, slow ones of other nodes, and other busy nodes."""
     every, wait_share = list(_work_of_nodes(evidence)), evidence.wait_share()
     subscriptions = [one for work in every for one in _subscriptions(work)]
@@ -293,7 +293,7 @@ def _irregular_cause(
     return cause, remedy
 
 
-def _less(node: Node, busiest: str) -> Statement:
+def _less(node: NodeInfo, busiest: str) -> Statement:
     return state("busiest-less", node=node, busiest=busiest)
 
 
@@ -315,7 +315,7 @@ def _work_of_nodes(evidence: Evidence) -> Iterator[_Work]:
             yield _Work(before[node.id], node, tuple(_pairs(before[node.id], node)))
 
 
-def _pairs(earlier: Node, later: Node) -> Iterator[tuple[Endpoint, Endpoint]]:
+def _pairs(earlier: NodeInfo, later: NodeInfo) -> Iterator[tuple[Endpoint, Endpoint]]:
     """Yield each endpoint at the start and at the end; several may have the same key."""
     known: dict[object, list[Endpoint]] = defaultdict(list)
     for endpoint in earlier.endpoints:
@@ -340,6 +340,6 @@ def _subscriptions(work: _Work) -> Iterator[_Subscription]:
             yield _Subscription(work, now, came, lost, took, interval, hangs)
 
 
-def _has_other_work(node: Node) -> bool:
+def _has_other_work(node: NodeInfo) -> bool:
     waiting = Role.SUBSCRIBER, Role.SERVICE
     return any(e.role in waiting and not is_hidden(e.topic) for e in node.endpoints)

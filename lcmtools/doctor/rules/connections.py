@@ -10,7 +10,7 @@ from lcmtools.doctor.evidence import Evidence, LcmProcess, channel_names, derive
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state, subject
 from lcmtools.doctor.renaming import REMAPS, give_reason, near_names, remap_argument, start_with
 from lcmtools.doctor.rules.shared import END_OR_REMAP, simulator_ids
-from lcmtools.graph.model import Node, Role
+from lcmtools.graph.model import NodeInfo, Role
 from lcmtools.names import base_name_of, is_hidden
 
 _IS_PATTERN = "liblcm takes it for a pattern, which does not match the name"
@@ -251,7 +251,7 @@ def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
     Where two offer one, each executes a request, and the first response is used. Two nodes of one
     name, and nodes that were killed or hang, are reported by other rules.
     """
-    offered: dict[str, dict[str, Node]] = defaultdict(dict)  # by service and node
+    offered: dict[str, dict[str, NodeInfo]] = defaultdict(dict)  # by service and node
     for node in evidence.graph.nodes:
         for end in node.having(Role.SERVICE):
             if not is_hidden(end.topic):
@@ -272,14 +272,14 @@ def services_are_offered_once(evidence: Evidence) -> Iterator[Finding]:
     yield from finding("unconnected-clients", facts, *remedies)
 
 
-def _separation(evidence: Evidence, service: str, nodes: list[Node]) -> Statement:
+def _separation(evidence: Evidence, service: str, nodes: list[NodeInfo]) -> Statement:
     pids = tuple(str(node.pid) for node in nodes if node.id not in evidence.remote)
     old = remap_argument(nodes[-1], service).partition(":=")[0] or service
     known = {"pids": pids if len(pids) > 1 else (), "old": old, "new": f"{service}_2"}
     return state("end-one-or-remap", other=nodes[-1], **known)
 
 
-def _connection_remedy(node: Node, service: str, offered: list[str]) -> Statement:
+def _connection_remedy(node: NodeInfo, service: str, offered: list[str]) -> Statement:
     """Return a remap to a service of a similar name, or of the same name in another namespace."""
     meant = [one for one in offered if base_name_of(one) == base_name_of(service)]
     for other in (*meant, *near_names(service, offered)):

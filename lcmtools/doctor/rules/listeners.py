@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from lcmtools.doctor.evidence import Evidence, Listener, Stream
 from lcmtools.doctor.findings import Finding, Severity, Statement, finding, rule, state
 from lcmtools.doctor.rules.shared import WAKE_OR_END
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 
 _PER_MESSAGE = 1.1  # times a message: a buffer of this size holds it
 _DATAGRAM = 65_507  # bytes at most
@@ -321,7 +321,7 @@ def _losses_of_nodes(evidence: Evidence) -> Iterator[tuple[Statement, Statement]
             yield fact, state("larger-buffer-there", node=node, name=_BUFFERS, value=_LARGE)
 
 
-def _incomplete(node: Node) -> dict[str, int]:
+def _incomplete(node: NodeInfo) -> dict[str, int]:
     return {end.topic: end.incomplete for end in node.endpoints if end.incomplete}
 
 

@@ -18,7 +18,7 @@ from lcmtools.doctor.findings import (
 )
 from lcmtools.doctor.renaming import DROP_REMAP
 from lcmtools.doctor.rules.shared import WAKE_OR_END
-from lcmtools.graph.model import VERSION, Node, Staleness
+from lcmtools.graph.model import VERSION, NodeInfo, Staleness
 from lcmtools.graph.protocol import SOFTWARE
 from lcmtools.observe.simulators import publishes_time
 
@@ -63,7 +63,7 @@ def nodes_answer(evidence: Evidence) -> Iterator[Finding]:
         yield from finding(title, facts, *(x for _, x in pairs), severity=severity)
 
 
-def _is_sure(evidence: Evidence, node: Node) -> bool:
+def _is_sure(evidence: Evidence, node: NodeInfo) -> bool:
     """Return whether the answer of a node would have been received."""
     stopped = {one.pid for one in evidence.listeners if one.state == "T"}
     stopped |= {one.pid for one in evidence.processes if one.state == "T"}
@@ -72,7 +72,7 @@ def _is_sure(evidence: Evidence, node: Node) -> bool:
     return is_known or not (is_deaf or evidence.wait_share())
 
 
-def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
+def _stale(evidence: Evidence, node: NodeInfo) -> tuple[Statement, Statement]:
     """Return the fact and the remedy; a process number is valid only on its own computer."""
     pid, why = node.pid, str(node.stale)
     if node.id in evidence.remote:
@@ -84,7 +84,7 @@ def _stale(evidence: Evidence, node: Node) -> tuple[Statement, Statement]:
     return fact, wake if _runs(node) else forget
 
 
-def _runs(node: Node) -> bool:
+def _runs(node: NodeInfo) -> bool:
     return node.stale is not Staleness.ENDED
 
 
@@ -107,7 +107,7 @@ def nodes_have_names_of_their_own(evidence: Evidence) -> Iterator[Finding]:
     Often an old process was left over. Commands that take a node's name cannot tell them apart. A
     second simulator needs a bus of its own, because it publishes /clock, too.
     """
-    by_name: dict[str, list[Node]] = defaultdict(list)
+    by_name: dict[str, list[NodeInfo]] = defaultdict(list)
     for node in evidence.graph.nodes:
         if not (node.stale or node.tool):  # a command that observes and publishes is two
             by_name[node.name].append(node)

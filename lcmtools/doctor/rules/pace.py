@@ -12,7 +12,7 @@ from lcmtools.doctor.findings import Finding, Observed, Severity, Statement, fin
 from lcmtools.doctor.rules.callbacks import busy_nodes
 from lcmtools.doctor.rules.shared import WAKE_OR_END, simulator_ids
 from lcmtools.graph.common_topics import MEANT_FOR_MANY
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import average_rate
 from lcmtools.observe.simulators import publishes_time, silence
@@ -177,7 +177,7 @@ def rates_do_not_fall(evidence: Evidence) -> Iterator[Finding]:
         key = pace.name, pace.topic
         if pace.has_fallen and pace.expected >= _SURE:
             by, about = pace.publisher, {"topic": pace.topic} if pace.topic else {}
-            parts = {"node": by} if isinstance(by, Node) else {"sender": by}
+            parts = {"node": by} if isinstance(by, NodeInfo) else {"sender": by}
             fact = state(pace.fact, **parts, **about, rate=pace.rate, usual=pace.usual)
             facts.setdefault(key, fact)
     return finding("slow-rate", facts.values())
@@ -263,7 +263,7 @@ def _paces(evidence: Evidence) -> Iterator[_Pace]:
             yield _Pace("slower-program", one, one.name, "", *counts)
 
 
-def _between(was: Node, node: Node, listened: float) -> float:
+def _between(was: NodeInfo, node: NodeInfo, listened: float) -> float:
     """Return the time between two announcements by the node's clock [s]; 0 if there is none.
 
     One that a bus or a relay has kept lacks its time: it has counted a message just before.
@@ -272,7 +272,7 @@ def _between(was: Node, node: Node, listened: float) -> float:
     return max(0.0, (later - earlier) / 1e9) if earlier or later else listened
 
 
-def _announced(node: Node) -> int:
+def _announced(node: NodeInfo) -> int:
     return node.sent or max((end.last_time for end in node.endpoints), default=0)
 
 
@@ -293,14 +293,14 @@ def _remembered(evidence: Evidence) -> Iterator[_Pace]:
                 yield _Pace("slower-stream", one, one.name, one.topic, one.rate, *seen)
 
 
-def resting_simulators(evidence: Evidence) -> list[Node]:
+def resting_simulators(evidence: Evidence) -> list[NodeInfo]:
     """Return the simulators that publish no time now, and so no measurements."""
     ticking = {s.name for s in evidence.streams if s.channel == CLOCK_TOPIC}
     clocks = filter(publishes_time, evidence.graph.nodes)
     return [node for node in clocks if node.name not in ticking]
 
 
-def _publications(evidence: Evidence) -> Iterator[tuple[Node, Endpoint, bool]]:
+def _publications(evidence: Evidence) -> Iterator[tuple[NodeInfo, Endpoint, bool]]:
     """Yield the publications of active nodes, and whether they have subscribers."""
     live = [node for node in evidence.graph.nodes if not node.stale]
     taken = {end.topic for node in live for end in node.having(Role.SUBSCRIBER)}

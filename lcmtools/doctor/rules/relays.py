@@ -14,7 +14,7 @@ from lcmtools.doctor.findings import (
     state,
     subject,
 )
-from lcmtools.graph.model import FullLine, Graph, Node, Role
+from lcmtools.graph.model import FullLine, Graph, NodeInfo, Role
 
 _SHARE = 0.8  # of the messages that a line takes
 
@@ -122,12 +122,12 @@ def is_in_doubt(evidence: Evidence) -> bool:
     return bool(_full_lines(evidence.graph))
 
 
-def _full_lines(graph: Graph) -> list[tuple[Node, FullLine]]:
+def _full_lines(graph: Graph) -> list[tuple[NodeInfo, FullLine]]:
     live = (node for node in graph.nodes if not node.stale)
     return [(node, line) for node in live for line in node.full_lines if line.passing]
 
 
-def _dropping(evidence: Evidence) -> Iterator[tuple[Node, FullLine, int]]:
+def _dropping(evidence: Evidence) -> Iterator[tuple[NodeInfo, FullLine, int]]:
     """Yield the lines for which messages were dropped during the look, and how many."""
     known = {node.id for node in evidence.before.nodes}  # others: a full line delays answers, too
     before = {_key(*one): one[1].dropped for one in _full_lines(evidence.before)}
@@ -138,18 +138,18 @@ def _dropping(evidence: Evidence) -> Iterator[tuple[Node, FullLine, int]]:
             yield node, line, count
 
 
-def _key(node: Node, line: FullLine) -> tuple[str, str]:
+def _key(node: NodeInfo, line: FullLine) -> tuple[str, str]:
     """Return what counts the messages: each line of a relay, but all lines of a publisher."""
     return node.id, "" if _published(node, line) else line.to
 
 
-def _published(node: Node, line: FullLine) -> dict[str, float]:
+def _published(node: NodeInfo, line: FullLine) -> dict[str, float]:
     """Return the rates of the topics of a line that the node publishes itself; 0 if unknown."""
     named = dict(line.passing)
     return {end.topic: end.rate for end in node.having(Role.PUBLISHER) if end.topic in named}
 
 
-def _remedy(kind: str, node: Node, line: FullLine) -> Statement:
+def _remedy(kind: str, node: NodeInfo, line: FullLine) -> Statement:
     options = " ".join(_limit(topic, rate) for topic, rate in line.passing)
     return state(kind, relay=subject(node), options=options)
 

@@ -12,7 +12,7 @@ from lcmtools.doctor.rules.connections import quiet_programs
 from lcmtools.doctor.rules.pace import resting_simulators
 from lcmtools.doctor.rules.shared import END_OR_REMAP, PROGRAM
 from lcmtools.graph.common_topics import MEANT_FOR_MANY
-from lcmtools.graph.model import Node, Role
+from lcmtools.graph.model import NodeInfo, Role
 from lcmtools.names import base_name_of, is_hidden
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.simulators import is_paused, silence
@@ -263,6 +263,6 @@ def simulated_time_passes(evidence: Evidence) -> Iterator[Finding]:
         yield from finding(title, facts, *remedies, severity=Severity.NOTE)
 
 
-def _is_ours(node: Node) -> bool:  # the simulator of lcmtools, which commands can control
+def _is_ours(node: NodeInfo) -> bool:  # the simulator of lcmtools, which commands can control
     services = (base_name_of(end.topic) for end in node.having(Role.SERVICE))
     return "set_rate" in services

@@ -18,7 +18,7 @@ from lcmtools.doctor.findings import (
     subject,
 )
 from lcmtools.doctor.rules.shared import simulator_ids
-from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, Topic, Traffic
 from lcmtools.messages.registry import (
     candidates,
     is_own,
@@ -221,7 +221,7 @@ def _senders_without_type(topic: Topic) -> set[Sender]:
     return {sender for node in ends for sender in node.senders()}
 
 
-def _weight(node: Node, evidence: Evidence) -> float:
+def _weight(node: NodeInfo, evidence: Evidence) -> float:
     """Return a node's weight: a simulator's types are fixed, those of a command just typed."""
     return 0.5 if node.tool else 1.5 if node.id in simulator_ids(evidence) else 1.0
 

@@ -3,7 +3,7 @@
 import os
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.model import Graph, Node, Topic
+from lcmtools.graph.model import Graph, NodeInfo, Topic
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source, absence
 from lcmtools.gui.streams.base import PageStream, Update
@@ -67,7 +67,7 @@ class Steer(PageStream):
             found += [name for name in senders if name not in known]
         return found
 
-    def _is_own(self, node: Node) -> bool:
+    def _is_own(self, node: NodeInfo) -> bool:
         """Return True for the nodes that publish for this server's pages."""
         pids = {os.getpid()} | (self.source.steering.pids if self.source.steering else set())
         return node.pid in pids and is_here(node)
@@ -99,5 +99,5 @@ def is_velocity(kind: str = "") -> bool:
         return False
 
 
-def _obeys(node: Node) -> bool:
+def _obeys(node: NodeInfo) -> bool:
     return not (node.stale or node.tool)

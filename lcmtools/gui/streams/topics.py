@@ -8,7 +8,7 @@ from typing import cast
 from lcmtools.gui.protocol import Json
 from lcmtools.gui.source import Source
 from lcmtools.gui.streams.base import PageStream, Update
-from lcmtools.observe.channels.channel_report import record
+from lcmtools.observe.channels.channel_report import to_json
 from lcmtools.observe.channels.feed import Snapshot
 from lcmtools.observe.channels.rows import ChannelRow
 from lcmtools.observe.simulators import simulators
@@ -47,7 +47,7 @@ class Topics(PageStream):
         """Return the current rows."""
         latest = self.source.latest
         programs = latest.plain_listeners  # which may listen to any of them
-        rows = [{**record(row), "silent": row.is_silent} for row in current_rows(latest)]
+        rows = [{**to_json(row), "silent": row.is_silent} for row in current_rows(latest)]
         if programs:
             rows = [{**row, "listeners": row["listeners"] or None} for row in rows]
         data: dict[str, Json] = {

@@ -16,7 +16,7 @@ from lcmtools.doctor.findings import Finding, Severity, Statement
 from lcmtools.doctor.rules import examine
 from lcmtools.doctor.sentences import describe
 from lcmtools.graph.common_topics import OF_EVERY_NODE
-from lcmtools.graph.model import Endpoint, Node, Role, Topic
+from lcmtools.graph.model import Endpoint, NodeInfo, Role, Topic
 from lcmtools.labs.checks.observations import BusLook, Failure, Wire
 
 _LISTEN = 1.0  # [s]
@@ -90,7 +90,7 @@ def _offered(end: Endpoint, topic: Topic, names: Collection[str]) -> str:
     return next(odd, "")
 
 
-def _texts(findings: Iterable[Finding], nodes: Iterable[Node], group: int) -> Iterator[str]:
+def _texts(findings: Iterable[Finding], nodes: Iterable[NodeInfo], group: int) -> Iterator[str]:
     """Format the findings about these nodes, each with its remedies in one line."""
     names = {node.name for node in nodes}
 

@@ -24,7 +24,7 @@ def heading(
     return ["", f"checking {whose}: {shlex.join(command)}", title]
 
 
-def rows(result: CheckResult) -> list[str]:
+def to_lines(result: CheckResult) -> list[str]:
     """Format a row, followed by its cause and further facts if it failed."""
     verdict = ("note" if result.findings else "ok") if result.is_ok else "NOT OK"
     found = [_LINE.format(verdict, result.what, result.wanted, result.measured)]
@@ -46,7 +46,7 @@ def summary(reports: Sequence[Report]) -> list[str]:
     return [*found, f"first of all, {first.program}: {first.first_cause}"]
 
 
-def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
+def to_json(lab: str, reports: Sequence[Report]) -> dict[str, object]:
     """Return the reports of a lab for JSON."""
     return {
         "lab": lab,
@@ -67,7 +67,7 @@ def record(lab: str, reports: Sequence[Report]) -> dict[str, object]:
     }
 
 
-def read_record(plain: Mapping[str, Any]) -> list[Report]:
+def read_json(plain: Mapping[str, Any]) -> list[Report]:
     """Return the reports in a record, which has no observations."""
 
     def result(row: Mapping[str, Any]) -> CheckResult:
@@ -107,7 +107,7 @@ def _case(group: str, result: CheckResult) -> Case:
     if result.is_ok or result.follows:
         return Case(group, result.what, skipped=result.hint if result.follows else "")
     message = f"{result.measured}: {result.hint}" if result.hint else result.measured
-    return Case(group, result.what, message, rows(result))
+    return Case(group, result.what, message, to_lines(result))
 
 
 def _cause(report: Report) -> str:

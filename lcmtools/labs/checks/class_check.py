@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lcmtools.labs.catalogue import Lab
-from lcmtools.labs.checks.check_report import read_record
+from lcmtools.labs.checks.check_report import read_json
 from lcmtools.labs.checks.checked_programs import own_command
 from lcmtools.labs.checks.choice import choose
 from lcmtools.labs.checks.log_check import can_play
@@ -109,7 +109,7 @@ class ClassCheck:
             with ChildProcess(start, guard, StopTimeouts()) as child:
                 output, errors = self._lines(child)
         try:
-            return read_record(json.loads("\n".join(output)))[0]
+            return read_json(json.loads("\n".join(output)))[0]
         except ValueError:  # nothing, or a part of it: the check was ended
             return _failed(job.option, _reason(errors))
 

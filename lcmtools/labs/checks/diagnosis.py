@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from lcmtools.doctor.connecting import renaming
 from lcmtools.doctor.renaming import resembles
 from lcmtools.doctor.sentences import remedy_text
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.labs.catalogue import LabProgram
 from lcmtools.labs.checks.observations import (
     BusLook,
@@ -267,7 +267,7 @@ def _renaming(look: BusLook, program: LabProgram, old: str, new: str, *, publish
     if not look.nodes:  # a program without lcmtools has no remaps
         return "change the name in it"
     names = sorted(look.nodes, key=lambda name: namespace_of(name) != namespace_of(new))
-    node = Node(names[0], "", "", 0, command=" ".join(program.arguments))
+    node = NodeInfo(names[0], "", "", 0, command=" ".join(program.arguments))
     here = namespace_of(node.name)
     is_misplaced = here == namespace_of(old) and f"__ns:={namespace_of(new)}" in program.arguments
     remedy = renaming(node, old, new, publishes=publishes, is_misplaced=is_misplaced)

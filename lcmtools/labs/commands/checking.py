@@ -15,7 +15,7 @@ from lcmtools.folders import write_whole
 from lcmtools.labs.catalogue import Lab
 from lcmtools.labs.checks import check_report
 from lcmtools.labs.checks.check import check
-from lcmtools.labs.checks.check_report import class_rows, heading, junit, record, summary
+from lcmtools.labs.checks.check_report import class_rows, heading, junit, summary, to_json
 from lcmtools.labs.checks.choice import Run
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.log_check import check_log
@@ -85,7 +85,7 @@ def check_one(
 
             def show_row(result: CheckResult, head: list[str] = head) -> None:
                 waiting.clear()
-                show([*head, *check_report.rows(result)])
+                show([*head, *check_report.to_lines(result)])
                 head.clear()
                 waiting.write("  ...")
 
@@ -95,7 +95,7 @@ def check_one(
     if plot:
         draw_check(world, reports, plot)
         write_note(f"saved {plot}")
-    return Outcome({"": reports}, record(lab.name, reports), summary(reports))
+    return Outcome({"": reports}, to_json(lab.name, reports), summary(reports))
 
 
 def _announced(runs: Sequence[Run]) -> str:
@@ -123,11 +123,11 @@ def check_recorded(lab: Lab, path: str, runs: Sequence[Run], show: Show) -> Outc
             typed = f"lcmtools lab check {lab.name} {shlex.join((*here, '--bag', path))}"
             write_note(f"judges the recording itself; {typed} runs what is here with it")
     for report in reports:
-        rows = [row for result in report.results for row in check_report.rows(result)]
+        rows = [row for result in report.results for row in check_report.to_lines(result)]
         show([*heading(report.program, report.command, is_log=not runs), *rows])
     show(["", "not judged:", *(f"  {requirement}" for requirement in others), ""] if others else [])
     extra = {"bag": path, "not_judged": list(map(asdict, others))}
-    return Outcome({"": reports}, {**record(lab.name, reports), **extra}, summary(reports))
+    return Outcome({"": reports}, {**to_json(lab.name, reports), **extra}, summary(reports))
 
 
 def class_arguments(rate: float | None, time_limit: float | None, log: str | None) -> list[str]:
@@ -155,7 +155,7 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
 
         def show_report(name: str, report: Report) -> None:
             waiting.clear()
-            rows = [row for result in report.results for row in check_report.rows(result)]
+            rows = [row for result in report.results for row in check_report.to_lines(result)]
             head = heading(report.program, report.command)[1:] if report.command else []
             show(["", f"== {name}", *head, *rows])
             waiting.write("  ...")
@@ -167,7 +167,9 @@ def check_class(lab: Lab, checker: ClassCheck, folder: Path, show: Show) -> Outc
         waiting.write(f"checking the submissions in {folder} ...")
         found = checker.run(folder, show_report)
         waiting.clear()
-    records = [{"submission": name, **record(lab.name, reports)} for name, reports in found.items()]
+    records = [
+        {"submission": name, **to_json(lab.name, reports)} for name, reports in found.items()
+    ]
     return Outcome(found, records, ["", *class_rows(found)])
 
 

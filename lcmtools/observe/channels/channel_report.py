@@ -9,7 +9,7 @@ from lcmtools.observe.channels.table import layout, natural_widths
 _LATEST = ("age",)  # columns without meaning in a table that is not updated
 
 
-def rows(channels: Sequence[ChannelRow], room: int | None) -> list[str]:
+def to_lines(channels: Sequence[ChannelRow], room: int | None) -> list[str]:
     """Return the lines of the table, ``room`` characters wide; None for any width."""
     columns = [column for name, column in COLUMNS.items() if name not in _LATEST]
     found = layout(columns, natural_widths(channels, columns), room)
@@ -17,7 +17,7 @@ def rows(channels: Sequence[ChannelRow], room: int | None) -> list[str]:
     return [found.gap.join(line).rstrip() for line in cells]
 
 
-def record(row: ChannelRow) -> dict[str, object]:
+def to_json(row: ChannelRow) -> dict[str, object]:
     """A row for JSON."""
     return {
         "channel": row.channel,

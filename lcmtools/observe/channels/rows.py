@@ -9,7 +9,7 @@ from operator import attrgetter
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.builder import MOST_FLOWS
-from lcmtools.graph.model import Endpoint, Graph, Node, Topic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Topic
 from lcmtools.messages.fields import fields
 from lcmtools.messages.registry import message_class
 from lcmtools.names import Pattern, is_hidden
@@ -145,7 +145,7 @@ class ChannelRows:
         nodes = self._names_of(topic.publishers)
         return tuple(dict.fromkeys([*nodes, *map(self._names.name, others)]))
 
-    def _names_of(self, ends: Sequence[tuple[Node, Endpoint]]) -> tuple[str, ...]:
+    def _names_of(self, ends: Sequence[tuple[NodeInfo, Endpoint]]) -> tuple[str, ...]:
         """The nodes' names, without hidden ones, as commands are."""
         shown = (node for node, _ in ends if self._selection.hidden or not is_hidden(node.name))
         return tuple(dict.fromkeys(map(listed_node, shown)))

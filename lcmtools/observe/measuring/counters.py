@@ -6,16 +6,16 @@ however short the time between them is.
 
 from collections.abc import Mapping
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.observe.reading.losses import Loss, Losses, total
-from lcmtools.observe.reports.describe import behind_record, endpoint_types
+from lcmtools.observe.reports.describe import behind_json, endpoint_types
 from lcmtools.observe.simulators import is_simulator, pause_text
 
 _SHORTEST = 200_000_000  # [ns] at least between two samples that tell how busy a node is
 _TEN, _THOUSAND = 9.95, 999.5  # what rounds to 10 and 1000
 
 
-def average_rate(node: Node, endpoint: Endpoint) -> float | None:
+def average_rate(node: NodeInfo, endpoint: Endpoint) -> float | None:
     """Return the rate of an endpoint's messages from its node's start to the last one [Hz].
 
     None before two messages, or if the times contradict each other.
@@ -26,12 +26,12 @@ def average_rate(node: Node, endpoint: Endpoint) -> float | None:
     return endpoint.messages * 1e9 / span
 
 
-def fair_average(node: Node, endpoint: Endpoint) -> float | None:
+def fair_average(node: NodeInfo, endpoint: Endpoint) -> float | None:
     """Return ``average_rate``; None for a publisher of a simulator, which is idle at times."""
     return None if _pauses(node, endpoint) else average_rate(node, endpoint)
 
 
-def _pauses(node: Node, endpoint: Endpoint) -> bool:
+def _pauses(node: NodeInfo, endpoint: Endpoint) -> bool:
     """Return whether a publisher sends only while something subscribes."""
     return endpoint.role is Role.PUBLISHER and is_simulator(node)
 
@@ -51,7 +51,7 @@ def callback_time(earlier: Endpoint, later: Endpoint) -> float | None:
     return overall if fits else mean
 
 
-def busy_share(earlier: Node, later: Node) -> float | None:
+def busy_share(earlier: NodeInfo, later: NodeInfo) -> float | None:
     """Return the part of the time between two announcements spent in callbacks, 1 at most.
 
     None if the announcements are too close together, or have no time of sending.
@@ -80,7 +80,7 @@ def callback_times(endpoint: Endpoint) -> str:
     return f"callbacks: {mean} mean, {duration_text(endpoint.longest)} longest"
 
 
-def callback_record(endpoint: Endpoint) -> dict[str, object]:
+def callback_json(endpoint: Endpoint) -> dict[str, object]:
     """Return the same for JSON, in nanoseconds; None where its program does not count."""
     calls = {
         "callbacks": endpoint.calls,
@@ -115,7 +115,7 @@ class Counters:
             (n.id, e.key): e for n in before.nodes for e in n.endpoints
         }
 
-    def of_endpoint(self, node: Node, endpoint: Endpoint) -> str:
+    def of_endpoint(self, node: NodeInfo, endpoint: Endpoint) -> str:
         """Return an endpoint's counters as one line.
 
         An announcer in a plain LCM program counts nothing; its messages are what was seen.
@@ -146,7 +146,7 @@ class Counters:
         counts = [f"seen messages: {seen.messages}", f"bytes: {seen.bytes}"]
         return ", ".join([*counts, *rates, _last(seen.last_time, self._now)])
 
-    def record(self, node: Node, endpoint: Endpoint) -> dict[str, object]:
+    def to_json(self, node: NodeInfo, endpoint: Endpoint) -> dict[str, object]:
         """Return an endpoint and its counters, for JSON."""
         return {
             "node": node.name,
@@ -154,34 +154,34 @@ class Counters:
             "address": node.sender.address if node.sender else None,
             "pid": node.pid,
             "stale": bool(node.stale),
-            **behind_record(node),
+            **behind_json(node),
             "types": endpoint_types(endpoint),
             "depth": endpoint.depth,
             **counted(endpoint),
             "rate": self.rate(node, endpoint),
             "average_rate": fair_average(node, endpoint),
             "last_time": endpoint.last_time or None,
-            **callback_record(endpoint),
+            **callback_json(endpoint),
         }
 
-    def rate(self, node: Node, endpoint: Endpoint) -> float | None:
+    def rate(self, node: NodeInfo, endpoint: Endpoint) -> float | None:
         """Return the rate of an endpoint's messages now [Hz]; None if it is unknown."""
         before = self._before.get((node.id, endpoint.key))
         measured = endpoint.rate_since(before) if before else None
         # what an idle publisher announces is of the moment when it stopped
         return measured or (None if self._is_idle(node, endpoint) else endpoint.rate) or None
 
-    def lost(self, sender: Node | Traffic) -> Loss | None:
+    def lost(self, sender: NodeInfo | Traffic) -> Loss | None:
         """Return the loss of a node or a program, over all its topics; None if unknown."""
-        senders = sender.senders() if isinstance(sender, Node) else [sender.sender]
+        senders = sender.senders() if isinstance(sender, NodeInfo) else [sender.sender]
         return total(senders, self._lost)
 
-    def _seen(self, node: Node, endpoint: Endpoint) -> Traffic | None:
+    def _seen(self, node: NodeInfo, endpoint: Endpoint) -> Traffic | None:
         own = node.senders() if endpoint.role is Role.PUBLISHER else ()
         on_topic = (seen for seen in self._graph.traffic if seen.channel == endpoint.topic)
         return next((seen for seen in on_topic if seen.sender in own), None)
 
-    def _is_idle(self, node: Node, endpoint: Endpoint) -> bool:
+    def _is_idle(self, node: NodeInfo, endpoint: Endpoint) -> bool:
         """Return whether a publisher waits for a subscriber."""
         if node.is_recorded or not _pauses(node, endpoint):
             return False

@@ -23,12 +23,12 @@ class ReportForm:
     fields: Callable[[Any], Sequence[object]] = tuple  # the values that ``text`` formats
     nothing: str = "no new messages"
 
-    def record(self, topic: str, value: Any) -> dict[str, object]:  # noqa: ANN401 - of ``cells``
+    def to_json(self, topic: str, value: Any) -> dict[str, object]:  # noqa: ANN401 - of ``cells``
         """Return a topic's measurement for JSON."""
         pairs = zip(self.keys, value, strict=True) if value else [(self.keys[0], None)]
         return {"topic": topic, **dict(pairs)}
 
-    def rows(self, found: Mapping[str, Any]) -> list[str]:
+    def to_lines(self, found: Mapping[str, Any]) -> list[str]:
         """Return the lines of one topic, or the table of several."""
         if not any(found.values()):
             return [self.nothing] * bool(self.nothing)

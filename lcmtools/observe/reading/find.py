@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
-from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Role, Topic
+from lcmtools.graph.model import Endpoint, Ends, Graph, NodeInfo, Role, Topic
 from lcmtools.messages.fields import visible_fields
 from lcmtools.messages.path import Path, parse_path, splits
 from lcmtools.messages.registry import ServiceType, candidates, service_class
@@ -74,12 +74,12 @@ def near_topic(known: Iterable[str], name: str, names: Resolver = GLOBAL) -> str
     return _near(name, names.spellings(name)[-1], visible) or "lcmtools list shows the topics"
 
 
-def find_node(graph: Graph, name: str) -> Node:
+def find_node(graph: Graph, name: str) -> NodeInfo:
     """Return the first of the nodes that a name means; see ``find_nodes``."""
     return find_nodes(graph, name)[0]
 
 
-def find_nodes(graph: Graph, name: str) -> list[Node]:
+def find_nodes(graph: Graph, name: str) -> list[NodeInfo]:
     """Return the nodes that a name means: several if they share a name or pid.
 
     The name is a full name, the last part of one if unique, or a pid, alone or as HOST:PID. If a
@@ -107,7 +107,7 @@ class OfferedService(NamedTuple):
 
     name: str
     servers: Ends
-    clients: tuple[Node, ...] = ()
+    clients: tuple[NodeInfo, ...] = ()
 
     @property
     def types(self) -> tuple[str, ...]:
@@ -137,7 +137,7 @@ class OfferedService(NamedTuple):
         except UnknownType as error:
             raise LcmtoolsError(f"{self.name}: {error.what}", error.hint) from None
 
-    def record(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, object]:
         """Return the service for JSON, as lists show it."""
         return {
             "service": self.name,
@@ -163,7 +163,7 @@ def offered_services(
     includes hidden names.
     """
     pattern = Pattern(namespace, hidden=show_all)
-    found: dict[str, list[tuple[Node, Endpoint]]] = defaultdict(list)
+    found: dict[str, list[tuple[NodeInfo, Endpoint]]] = defaultdict(list)
     for node in graph.nodes:
         for end in node.endpoints:
             if end.role in _OF_SERVICES:
@@ -208,7 +208,7 @@ def _offered(graph: Graph, name: str) -> OfferedService:
     return _service(name, ends)
 
 
-def _service(name: str, ends: Sequence[tuple[Node, Endpoint]]) -> OfferedService:
+def _service(name: str, ends: Sequence[tuple[NodeInfo, Endpoint]]) -> OfferedService:
     """A service; stale servers count only if there is no other."""
     servers = [pair for pair in ends if pair[1].role is Role.SERVICE]
     alive = [pair for pair in servers if not pair[0].stale]
@@ -234,7 +234,7 @@ def near_node(graph: Graph, name: str) -> str:
     return f"did you mean {by_base[near[0]]}?" if near else "lcmtools node list shows them"
 
 
-def _numbers(node: Node) -> list[str]:
+def _numbers(node: NodeInfo) -> list[str]:
     """The ways to write a node's process: its pid, alone or with the computer: "ada:1234"."""
     if node.path:  # behind a relay: the pid is another bus's
         return []

@@ -21,7 +21,7 @@ from lcmtools.bus.sockets import SocketTable, sockets_are_known
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.builder import MOST_FLOWS, MOST_NODES, GraphBuilder
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness
 from lcmtools.graph.protocol import (
     PERIOD,
     PROBE_CHANNEL,
@@ -185,7 +185,7 @@ class BusMonitor:
         self.probe()
         self._asked = time.monotonic()
 
-    def ask_to_end(self, node: Node, nonce: int) -> None:
+    def ask_to_end(self, node: NodeInfo, nonce: int) -> None:
         """Request a node's program to end, as SIGTERM does; it answers with the nonce first."""
         requester = f"{' '.join(sys.argv)} (pid {os.getpid()} on {socket.gethostname()})"
         request = Shutdown(node.id, nonce, requester)
@@ -298,7 +298,7 @@ class BusMonitor:
         """Return the types that nodes announce for a channel."""
         return self._builder.types_of(channel)
 
-    def forget(self, node: Node) -> None:
+    def forget(self, node: NodeInfo) -> None:
         """Drop a stale node and its record."""
         self._builder.forget(node.id)
         self._records.remove(node.id)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from lcmtools.bus.records import NodeRecords
 from lcmtools.errors import BusError
 from lcmtools.graph.announcing import Announcing
-from lcmtools.graph.model import Endpoint, FullLine, Node, Traffic
+from lcmtools.graph.model import Endpoint, FullLine, NodeInfo, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -32,7 +32,7 @@ class Presence:
 
     def __init__(
         self,
-        node: Node,
+        node: NodeInfo,
         send: Callable[[str, bytes], None],
         on_shutdown: Callable[[], None] | None = None,
         records: NodeRecords | None = None,
@@ -93,5 +93,5 @@ class Presence:
         self._schedule.rest(time.monotonic(), time.thread_time() - began)
 
 
-def _flows(node: Node) -> set[tuple[object, ...]]:
+def _flows(node: NodeInfo) -> set[tuple[object, ...]]:
     return {(x.channel, x.sender, x.fingerprints, x.types) for x in node.observed}

@@ -20,7 +20,7 @@ from lcmtools.bus.processes import Process, is_local, process_of
 from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.command_line import short_name
-from lcmtools.graph.model import Graph, Node, Traffic
+from lcmtools.graph.model import Graph, NodeInfo, Traffic
 from lcmtools.wire.packet import Sender
 
 _Key = tuple[Process | None, int | None, str]  # process, user id, address or ""
@@ -50,11 +50,11 @@ class SenderNames:
         called: Callable[[Process], str] = process_name,
     ) -> None:
         self._read, self._now, self._called = read, now, called
-        self._nodes: dict[Sender, Node] = {}
+        self._nodes: dict[Sender, NodeInfo] = {}
         self._processes = BoundedDict[Sender, Process](_MOST_SENDERS)
         self._next_look = BoundedDict[Sender, float](_MOST_SENDERS)
 
-    def update(self, senders: Iterable[Sender | None], nodes: Iterable[Node] = ()) -> None:
+    def update(self, senders: Iterable[Sender | None], nodes: Iterable[NodeInfo] = ()) -> None:
         """Note the nodes, and look up the processes of unknown senders, all at once."""
         self._nodes = {sender: node for node in nodes for sender in node.senders()}
         now = self._now()
@@ -67,7 +67,7 @@ class SenderNames:
             if process := table.processes(sender).only:
                 self._processes[sender] = process
 
-    def node(self, sender: Sender | None) -> Node | None:
+    def node(self, sender: Sender | None) -> NodeInfo | None:
         """Return the node that a sender belongs to."""
         return self._nodes.get(sender) if sender else None
 
@@ -146,7 +146,7 @@ def listening_programs(graph: Graph, url: BusUrl) -> list[Program] | None:
     return [program for program in programs(graph, url) if program.listens]
 
 
-def is_here(node: Node) -> bool:
+def is_here(node: NodeInfo) -> bool:
     """Return whether a node's process is one of this computer, so that its pid is valid here.
 
     False for a node in a log, behind a relay, or in a container with processes of its own.
@@ -158,20 +158,20 @@ def is_here(node: Node) -> bool:
     return node.host == socket.gethostname()
 
 
-def is_contained(node: Node) -> bool:
+def is_contained(node: NodeInfo) -> bool:
     """Return whether a node's pid is of another namespace than those of this process."""
     return node.pid_namespace not in (0, own_pid_namespace())
 
 
 def nodes_by_pid(
-    nodes: Iterable[Node], processes: Iterable[Process]
-) -> Mapping[int, Sequence[Node]]:
+    nodes: Iterable[NodeInfo], processes: Iterable[Process]
+) -> Mapping[int, Sequence[NodeInfo]]:
     """Return the nodes of this computer's processes by their pids here.
 
     A node in a container has another pid there; it is found if its process is one of these.
     """
-    found: dict[int, list[Node]] = defaultdict(list)
-    contained: dict[tuple[int, int], list[Node]] = defaultdict(list)
+    found: dict[int, list[NodeInfo]] = defaultdict(list)
+    contained: dict[tuple[int, int], list[NodeInfo]] = defaultdict(list)
     for node in nodes:
         if is_here(node):
             found[node.pid].append(node)
@@ -182,7 +182,7 @@ def nodes_by_pid(
     return {pid: some for pid, some in found.items() if some}
 
 
-def is_gone(node: Node) -> bool:
+def is_gone(node: NodeInfo) -> bool:
     """Return whether a node's process on this computer has ended."""
     return is_here(node) and process_of(node.pid) is None
 

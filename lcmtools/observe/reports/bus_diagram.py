@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from lcmtools.graph.drawing.diagram import Channel, Diagram, Edge, Member, Relation
-from lcmtools.graph.model import Graph, Node, Role, Traffic
+from lcmtools.graph.model import Graph, NodeInfo, Role, Traffic
 from lcmtools.observe.reading.senders import Program, is_here
 from lcmtools.observe.reports.describe import one_of, topic_kinds
 
@@ -58,7 +58,7 @@ def diagram_of(
     return Diagram(tuple(members), tuple(channels), tuple(_edges(uses, ids, rates)))
 
 
-def _node_member(id_: str, node: Node) -> Member:
+def _node_member(id_: str, node: NodeInfo) -> Member:
     return Member(
         id_,
         node.name,
@@ -90,7 +90,7 @@ def _program_member(id_: str, program: Program) -> Member:
     )
 
 
-def _of_node(id_: str, node: Node, graph: Graph) -> Iterator[_Use]:
+def _of_node(id_: str, node: NodeInfo, graph: Graph) -> Iterator[_Use]:
     senders = node.senders()
     seen = _by_channel(traffic for traffic in graph.traffic if traffic.sender in senders)
     counts: Counter[tuple[str, Role]] = Counter()

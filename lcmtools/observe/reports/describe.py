@@ -8,7 +8,7 @@ from lcmtools.bus.processes import Process, is_local
 from lcmtools.bus.sockets import SocketTable
 from lcmtools.errors import LcmtoolsError
 from lcmtools.graph.command_line import LONGEST_COMMAND, shortened
-from lcmtools.graph.model import Endpoint, Ends, Graph, Node, Topic, Traffic
+from lcmtools.graph.model import Endpoint, Ends, Graph, NodeInfo, Topic, Traffic
 from lcmtools.names import did_you_mean, is_of_lcm
 from lcmtools.observe.reading.decoding import like_text, possible_types
 from lcmtools.observe.reading.senders import is_contained
@@ -50,7 +50,7 @@ def one_of(names: Sequence[str]) -> str:
     return f"{names[0]} (one of {len(names)})" if len(names) > 1 else names[0]
 
 
-def types_record(kinds: Kinds, channel: str = "") -> dict[str, object]:
+def types_json(kinds: Kinds, channel: str = "") -> dict[str, object]:
     """Return types for JSON: the likeliest, as text, and all that they may be."""
     likeliest = kinds_text(tuple(names[:1] for names in kinds))
     names = dict.fromkeys(name for names in kinds for name in names if name != UNKNOWN)
@@ -98,18 +98,18 @@ def fingerprint_rows(topic: Topic) -> list[str]:
     return [f"Fingerprint: {value:#018x} ({meaning(value)})" for value in topic.fingerprints]
 
 
-def behind_record(node: Node) -> dict[str, object]:
+def behind_json(node: NodeInfo) -> dict[str, object]:
     """Return the bus of a node behind relays, and the relays, nearest first, for JSON."""
     return {"bus": node.bus, "relays": [step.relay for step in node.path]} if node.path else {}
 
 
-def node_text(node: Node) -> str:
+def node_text(node: NodeInfo) -> str:
     """Return a node with its host and pid."""
     stale = f", stale: {node.stale}" if node.stale else ""
     return f"{node.name} ({host_text(node)}, pid {node.pid}{stale})"
 
 
-def host_text(node: Node) -> str:
+def host_text(node: NodeInfo) -> str:
     """Return a node's computer; if it is another one, with its address: "ada at 10.0.0.1".
 
     A container of this computer is named as one.
@@ -123,19 +123,19 @@ def host_text(node: Node) -> str:
     return place if is_elsewhere else f"{place}, in another container"
 
 
-def behind_text(node: Node) -> str:
+def behind_text(node: NodeInfo) -> str:
     """Return the bus of a node behind relays: "udpm://... by /relay_ada_7700"."""
     return f"{node.bus} by {', '.join(step.relay for step in node.path)}"
 
 
-def listed_node(node: Node) -> str:
+def listed_node(node: NodeInfo) -> str:
     """Return a node's name, and the reason why it is stale."""
     state = [f"stale: {node.stale}"] if node.stale else []
     state += [f"on {node.bus}"] if node.path else []
     return f"{node.name} ({', '.join(state)})" if state else node.name
 
 
-def callback_errors(node: Node) -> list[str]:
+def callback_errors(node: NodeInfo) -> list[str]:
     """Return the errors that the node's callbacks raised, newest first."""
     return [
         f"{error.callback} raised {error.exception}"
@@ -190,7 +190,7 @@ class Computers:
     same one, the address is shown.
     """
 
-    def __init__(self, nodes: Iterable[Node]) -> None:
+    def __init__(self, nodes: Iterable[NodeInfo]) -> None:
         self._own = socket.gethostname()
         self._names: dict[str, str] = {}  # names of other computers, by address
         for node in nodes:
@@ -199,14 +199,14 @@ class Computers:
         names = [self._own, *self._names.values()]
         self._twice = {self._own, *(name for name in names if names.count(name) > 1)}
 
-    def of(self, node: Node) -> str:
+    def of(self, node: NodeInfo) -> str:
         """Return the name of the computer that a node is on."""
         if node.path:
             return f"{node.host} ({node.bus})"
         address = address_of(node)
         return f"{node.host} ({address})" if address and node.host in self._twice else node.host
 
-    def nodes_on(self, host: str, nodes: Iterable[Node]) -> list[Node]:
+    def nodes_on(self, host: str, nodes: Iterable[NodeInfo]) -> list[NodeInfo]:
         """Return the nodes on a computer, given by its name or address.
 
         Raises:
@@ -233,7 +233,7 @@ class Computers:
         return f"{name} ({address})" if name in self._twice else name
 
 
-def address_of(node: Node) -> str:
+def address_of(node: NodeInfo) -> str:
     """Return the address of a node's computer; "" for this computer, on Zenoh, and if unknown."""
     sender = node.sender
     return "" if sender is None or not sender.port or is_local(sender.address) else sender.address

@@ -2,16 +2,16 @@
 
 from collections.abc import Iterable
 
-from lcmtools.graph.model import Node
-from lcmtools.observe.reports.describe import behind_record
+from lcmtools.graph.model import NodeInfo
+from lcmtools.observe.reports.describe import behind_json
 
 
-def rows(nodes: Iterable[Node], now: int) -> list[str]:
+def to_lines(nodes: Iterable[NodeInfo], now: int) -> list[str]:
     """Return a line for each node: its address, name and state."""
     return [_row(node, now) for node in nodes]
 
 
-def record(node: Node) -> dict[str, object]:
+def to_json(node: NodeInfo) -> dict[str, object]:
     """Return a node, its host and pid, for JSON."""
     return {
         "node": node.name,
@@ -21,16 +21,16 @@ def record(node: Node) -> dict[str, object]:
         "command": node.command,
         "start_time": node.start_time,
         "stale": node.stale.value or None,
-        **behind_record(node),
+        **behind_json(node),
     }
 
 
-def up_time(node: Node, now: int) -> float:
+def up_time(node: NodeInfo, now: int) -> float:
     """Return the time since a node's start [s]."""
     return max(0.0, (node.time_there(now) - node.start_time) / 1e9)
 
 
-def _row(node: Node, now: int) -> str:
+def _row(node: NodeInfo, now: int) -> str:
     """Return a node as in rosnode list -a, and after the name its state."""
     seconds = up_time(node, now)
     units = (("days", 86400), ("h", 3600), ("min", 60))

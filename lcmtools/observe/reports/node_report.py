@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 from lcmtools.bus.processes import Process
 from lcmtools.graph.drawing.labels import printable
-from lcmtools.graph.model import VERSION, Endpoint, Graph, Node, Role
+from lcmtools.graph.model import VERSION, Endpoint, Graph, NodeInfo, Role
 from lcmtools.names import is_hidden
 from lcmtools.observe.measuring.counters import (
     UNCOUNTED,
-    callback_record,
+    callback_json,
     callback_times,
     counted,
     fair_average,
@@ -34,8 +34,8 @@ _TITLES = {
 }
 
 
-def rows(
-    node: Node, graph: Graph, now: int, parameters: Sequence[str], *, show_hidden: bool
+def to_lines(
+    node: NodeInfo, graph: Graph, now: int, parameters: Sequence[str], *, show_hidden: bool
 ) -> list[str]:
     """Return all lines of a node, among them those of its parameters."""
     return [
@@ -47,7 +47,7 @@ def rows(
     ]
 
 
-def roles(node: Node, *, show_hidden: bool) -> list[str]:
+def roles(node: NodeInfo, *, show_hidden: bool) -> list[str]:
     """Return its name, and its publications, subscriptions, services and clients, with types."""
     rows = ["-" * 80, f"Node [{node.name}]"]
     for role, title in _TITLES.items():
@@ -63,13 +63,13 @@ def roles(node: Node, *, show_hidden: bool) -> list[str]:
     return [*rows, ""]
 
 
-def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
+def to_json(node: NodeInfo, graph: Graph, now: int) -> dict[str, object]:
     """Return a node for JSON."""
     taken = Process(node.pid).usage() if is_here(node) and not node.stale else None
     return {
-        **node_list_report.record(node),
+        **node_list_report.to_json(node),
         **{
-            title.lower().replace(" ", "_"): list(map(_endpoint_record, node.having(role)))
+            title.lower().replace(" ", "_"): list(map(_endpoint_json, node.having(role)))
             for role, title in _TITLES.items()
         },
         "connections": [
@@ -89,7 +89,7 @@ def record(node: Node, graph: Graph, now: int) -> dict[str, object]:
     }
 
 
-def _process(node: Node, now: int) -> list[str]:
+def _process(node: NodeInfo, now: int) -> list[str]:
     """Return its place, start time, use of resources, and callback errors."""
     rows = [f"Host: {host_text(node)}", f"Pid: {node.pid}", f"Command: {node.command}"]
     if node.stale:
@@ -107,7 +107,7 @@ def _process(node: Node, now: int) -> list[str]:
     return [*rows, "Errors of callbacks:", *errors] if errors else rows
 
 
-def _version(node: Node) -> list[str]:
+def _version(node: NodeInfo) -> list[str]:
     """Return the version that a node speaks, if it is another one than this program's."""
     if node.version == VERSION and node.has_details:
         return []
@@ -116,13 +116,13 @@ def _version(node: Node) -> list[str]:
     return [f"Protocol: version {node.version}{software}, this program's is {VERSION}{part}"]
 
 
-def _counters(node: Node) -> list[str]:
+def _counters(node: NodeInfo) -> list[str]:
     """Return the number of messages, average rate and drops of each topic."""
     rows = [_counter(node, endpoint) for endpoint in _ends(node)]
     return ["Counters:", *rows] if rows else []
 
 
-def _connections(node: Node, graph: Graph) -> list[str]:
+def _connections(node: NodeInfo, graph: Graph) -> list[str]:
     """Return the other nodes that its topics connect it to."""
     rows = [
         row
@@ -132,7 +132,7 @@ def _connections(node: Node, graph: Graph) -> list[str]:
     return ["Connections:", *(rows or [" * none"]), ""]
 
 
-def ping_reply(node: Node, seconds: float) -> str:
+def ping_reply(node: NodeInfo, seconds: float) -> str:
     """Return the line for a node's answer, as in rosnode ping."""
     return f"reply from {node.name} ({node.host})\ttime={seconds * 1e3:.6f}ms"
 
@@ -147,7 +147,7 @@ def ping_summary(times: Sequence[float]) -> list[str]:
     ]
 
 
-def _counter(node: Node, endpoint: Endpoint) -> str:
+def _counter(node: NodeInfo, endpoint: Endpoint) -> str:
     if not endpoint.is_counted:
         return f" * {endpoint.topic}: {UNCOUNTED}"
     verb = "sent" if endpoint.role is Role.PUBLISHER else "received"
@@ -162,11 +162,11 @@ def _dropped(endpoint: Endpoint) -> str:
     return dropped + (f", {endpoint.incomplete} incomplete" if endpoint.incomplete else "")
 
 
-def _ends(node: Node) -> tuple[Endpoint, ...]:
+def _ends(node: NodeInfo) -> tuple[Endpoint, ...]:
     return node.having(Role.PUBLISHER) + node.having(Role.SUBSCRIBER)
 
 
-def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
+def _peers(node: NodeInfo, graph: Graph) -> Iterator[tuple[str, str, str]]:
     """A topic, the direction of its messages, and another node with it."""
     for endpoint in _ends(node):
         topic = graph.topic(endpoint.topic)
@@ -176,13 +176,13 @@ def _peers(node: Node, graph: Graph) -> Iterator[tuple[str, str, str]]:
                 yield topic.name, "to" if outbound else "from", peer.name
 
 
-def _endpoint_record(endpoint: Endpoint) -> dict[str, object]:
+def _endpoint_json(endpoint: Endpoint) -> dict[str, object]:
     return {
         "topic": endpoint.topic,
         "types": endpoint_types(endpoint),
         "depth": endpoint.depth,
         **counted(endpoint),
-        **callback_record(endpoint),
+        **callback_json(endpoint),
     }
 
 

@@ -15,7 +15,7 @@ from lcmtools.observe.reports.describe import (
     candidates_text,
     kinds_text,
     seen_kinds,
-    types_record,
+    types_json,
 )
 from lcmtools.text_table import plural
 
@@ -37,14 +37,14 @@ def listeners_text(listeners: Sequence[Program] | None) -> str:
     return ", ".join(map(program_text, listeners or ()))
 
 
-def listeners_record(listeners: Sequence[Program] | None) -> list[dict[str, object]] | None:
+def listeners_json(listeners: Sequence[Program] | None) -> list[dict[str, object]] | None:
     """Return the same for JSON; null if they cannot be seen."""
     if listeners is None:
         return None
     return [{"program": program_text(one), "pid": pid_of(one)} for one in listeners]
 
 
-def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
+def to_lines(program: Program, now: int, *, quiet: bool) -> list[str]:
     """Return a program as ``node info`` shows it."""
     found = ["-" * 80, f"Program [{command_text(program)}] (no node: seen on the bus only)"]
     types = {seen.channel: kinds_text(_kinds(seen), seen.channel) for seen in program.traffic}
@@ -70,7 +70,7 @@ def rows(program: Program, now: int, *, quiet: bool) -> list[str]:
     return [*found, f"Ports: {', '.join(map(str, program.ports)) or 'none seen'}", ""]
 
 
-def record(program: Program) -> dict[str, object]:
+def to_json(program: Program) -> dict[str, object]:
     """Return a program for JSON, with the keys of a node that are known."""
     process = program.process
     elsewhere = program.address if program.observer else ""
@@ -86,7 +86,7 @@ def record(program: Program) -> dict[str, object]:
         "publications": [
             {
                 "topic": seen.channel,
-                **types_record(_kinds(seen), seen.channel),
+                **types_json(_kinds(seen), seen.channel),
                 "messages": seen.messages,
                 "bytes": seen.bytes,
                 "rate": seen.rate(),

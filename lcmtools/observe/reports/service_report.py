@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 
-from lcmtools.observe.measuring.counters import callback_record, callback_times
+from lcmtools.observe.measuring.counters import callback_json, callback_times
 from lcmtools.observe.reading.find import OfferedService
 from lcmtools.observe.reports import node_list_report
 from lcmtools.observe.reports.describe import listed_node
 
 
-def rows(service: OfferedService, *, is_only: bool) -> Iterator[str]:
+def to_lines(service: OfferedService, *, is_only: bool) -> Iterator[str]:
     """Yield the lines of a service with its nodes, with its name unless it is the only one."""
     yield from [] if is_only else [f"Service: {service.name}"]
     for node, endpoint in service.servers:
@@ -22,14 +22,14 @@ def rows(service: OfferedService, *, is_only: bool) -> Iterator[str]:
         yield from ("Clients:", *(f" * {listed_node(node)}" for node in service.clients))
 
 
-def record(service: OfferedService) -> dict[str, object]:
+def to_json(service: OfferedService) -> dict[str, object]:
     """Return the same for JSON."""
     return {
         "service": service.name,
         "types": list(service.types),
         "args": service.arguments(),
         "servers": [
-            {**node_list_report.record(n), "calls": e.messages, **callback_record(e)}
+            {**node_list_report.to_json(n), "calls": e.messages, **callback_json(e)}
             for n, e in service.servers
         ],
         "clients": [node.name for node in service.clients],

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from lcmtools.graph.model import Topic
 from lcmtools.observe.reading.senders import Program
-from lcmtools.observe.reports.describe import by_computer, topic_kinds, type_text, types_record
-from lcmtools.observe.reports.program_report import listeners_record, listeners_text
+from lcmtools.observe.reports.describe import by_computer, topic_kinds, type_text, types_json
+from lcmtools.observe.reports.program_report import listeners_json, listeners_text
 
 
 class TopicList(NamedTuple):
@@ -24,7 +24,7 @@ class TopicList(NamedTuple):
         has_publisher = bool(topic.publishers or topic.traffic)
         return (self.published and has_publisher) or (self.subscribed and bool(topic.subscribers))
 
-    def rows(self, topics: Sequence[Topic]) -> list[str]:
+    def to_lines(self, topics: Sequence[Topic]) -> list[str]:
         """Return the lines of topics."""
         if self.verbose:
             return self._sections(topics)
@@ -40,18 +40,18 @@ class TopicList(NamedTuple):
         rows = []
         for host, there in by_computer(topics).items():
             if shown := list(filter(self.has, there)):
-                rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in self.rows(shown))]
+                rows += [f"Host [{host}]:", *(f"  {row}".rstrip() for row in self.to_lines(shown))]
         return rows
 
-    def record(self, topic: Topic) -> dict[str, object]:
+    def to_json(self, topic: Topic) -> dict[str, object]:
         """Return a topic for JSON."""
         record: dict[str, object] = {
             "topic": topic.name,
-            **types_record(topic_kinds(topic), topic.name),
+            **types_json(topic_kinds(topic), topic.name),
             "publishers": [node.name for node, _ in topic.publishers],
             "subscribers": [node.name for node, _ in topic.subscribers],
             "other_senders": [seen.sender and str(seen.sender) for seen in topic.foreign],
-            "possible_subscribers": listeners_record(self.listeners),
+            "possible_subscribers": listeners_json(self.listeners),
         }
         return record if self.rates is None else {**record, "rate": self.rates.get(topic.name)}
 

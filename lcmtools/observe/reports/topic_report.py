@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from lcmtools.graph.model import Endpoint, Node, Topic, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, Topic, Traffic
 from lcmtools.observe.measuring.counters import Counters
 from lcmtools.observe.reading.losses import Loss
 from lcmtools.observe.reading.senders import Program
@@ -12,14 +12,14 @@ from lcmtools.observe.reports.describe import (
     program_texts,
     topic_kinds,
     type_text,
-    types_record,
+    types_json,
 )
-from lcmtools.observe.reports.program_report import listeners_record, listeners_text
+from lcmtools.observe.reports.program_report import listeners_json, listeners_text
 
 _UNSEEN = "they listen to the bus; on which channels is not seen"
 
 
-def rows(
+def to_lines(
     topic: Topic, counters: Counters, listeners: Sequence[Program] | None, *, verbose: bool
 ) -> list[str]:
     """Return the lines of rostopic info, each node with its process and, below, its counters.
@@ -48,19 +48,19 @@ def rows(
     return [*found, *_section("Subscribers", subscribed), "", ""]
 
 
-def record(
+def to_json(
     topic: Topic, counters: Counters, listeners: Sequence[Program] | None
 ) -> dict[str, object]:
     """Return the same for JSON."""
     return {
         "topic": topic.name,
-        **types_record(topic_kinds(topic), topic.name),
+        **types_json(topic_kinds(topic), topic.name),
         "fingerprints": [f"{value:#018x}" for value in topic.fingerprints],
         "publishers": [
-            {**counters.record(node, e), **_lost_record(counters.lost(node))}
+            {**counters.to_json(node, e), **_lost_json(counters.lost(node))}
             for node, e in topic.publishers
         ],
-        "subscribers": [counters.record(node, e) for node, e in topic.subscribers],
+        "subscribers": [counters.to_json(node, e) for node, e in topic.subscribers],
         "other_publishers": [
             {
                 "program": text,
@@ -69,11 +69,11 @@ def record(
                 "bytes": seen.bytes,
                 "rate": seen.rate(),
                 "last_time": seen.last_time,
-                **_lost_record(counters.lost(seen)),
+                **_lost_json(counters.lost(seen)),
             }
             for text, seen in _programs(topic)
         ],
-        "possible_subscribers": listeners_record(listeners),
+        "possible_subscribers": listeners_json(listeners),
     }
 
 
@@ -83,7 +83,7 @@ def _programs(topic: Topic) -> Iterable[tuple[str, Traffic]]:
 
 
 def _nodes(
-    endpoints: Sequence[tuple[Node, Endpoint]], counters: Counters, *, verbose: bool
+    endpoints: Sequence[tuple[NodeInfo, Endpoint]], counters: Counters, *, verbose: bool
 ) -> list[list[str]]:
     """The lines of each node: its description, then its counters."""
     return [
@@ -105,7 +105,7 @@ def _section(title: str, members: Sequence[Sequence[str]]) -> list[str]:
     return rows
 
 
-def _lost_record(loss: Loss | None) -> dict[str, object]:
+def _lost_json(loss: Loss | None) -> dict[str, object]:
     """Return the numbers of lost and of sent messages; null if unknown."""
     known = loss if loss and loss.sent else None
     return {"lost": known and known.lost, "lost_of": known and known.sent}

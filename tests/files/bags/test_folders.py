@@ -89,7 +89,7 @@ def test_metadata_that_differs_from_the_files_does_no_harm(change, storage, tmp_
     before = metadata.read_text()
     metadata.write_text(_METADATA[change](before))
     assert metadata.read_text() != before
-    assert _assert_words(folder).report.rows() == []
+    assert _assert_words(folder).report.to_lines() == []
 
 
 @_BOTH
@@ -97,9 +97,9 @@ def test_metadata_that_differs_from_the_files_does_no_harm(change, storage, tmp_
 def test_a_folder_without_metadata_is_read(compression, storage, tmp_path):
     folder = _folder(tmp_path / storage, compression=compression)
     assert len(read_bag(folder)) == 3
-    assert _assert_words(folder).report.rows() == []
+    assert _assert_words(folder).report.to_lines() == []
     (folder / "metadata.yaml").unlink()
-    assert _assert_words(folder).report.rows() == []
+    assert _assert_words(folder).report.to_lines() == []
 
 
 def test_files_are_read_in_the_order_of_their_numbers(tmp_path):
@@ -120,7 +120,7 @@ def test_a_missing_or_damaged_file_costs_only_itself(tmp_path):
     name = _storage_name(metadata)
     listed = "".join(f"\n  - {one}" for one in ("a.db3", "b.db3", "c.db3", name))
     metadata.write_text(re.sub(rf"\n *- {name}", listed, metadata.read_text(), count=1))
-    rows = _assert_words(folder).report.rows()
+    rows = _assert_words(folder).report.to_lines()
     assert len(rows) == 3
     assert_says(rows[0], "a.db3", "missing")
     assert_says(rows[1], "b.db3", "damaged")
@@ -171,7 +171,7 @@ def test_a_strange_topic_costs_only_itself(name, tmp_path):
     said, statements = _STRANGE[name]
     folder = _folder(tmp_path / "db3", _ITEM, Item="int32 x")
     _change(folder, *statements)
-    (row,) = _assert_words(folder).report.rows()
+    (row,) = _assert_words(folder).report.to_lines()
     assert_says(row, "2 messages are left out", said)
 
 
@@ -185,7 +185,7 @@ _BEFORE_IRON = (
 def test_a_bag_of_before_iron_has_types_of_ros_but_no_definitions(tmp_path):
     folder = _folder(tmp_path / "db3", _ITEM, Item="int32 x")
     _change(folder, *_BEFORE_IRON)
-    (row,) = _assert_words(folder).report.rows()
+    (row,) = _assert_words(folder).report.to_lines()
     assert_says(row, "/item", "own_msgs/msg/Item", "no definition")
 
 
@@ -201,7 +201,7 @@ def test_without_definitions_types_are_those_of_the_distribution(distribution, t
     write_bag(folder, store, Topic("/sonar", "sensor_msgs/msg/Range", [ranges]))
     _change(folder, *_BEFORE_IRON)
     reading, ((_, message),) = _read(folder)
-    assert reading.report.rows() == []
+    assert reading.report.to_lines() == []
     assert {name: getattr(message, name) for name in values} == values
     assert message.range == 3.5
 

@@ -63,7 +63,7 @@ def test_all_is_read(name, tmp_path):
     _write(path, **_OPTIONS[name])
     reading, numbers = _numbers(path)
     assert numbers == [*range(_COUNT)]
-    assert reading.report.rows() == []
+    assert reading.report.to_lines() == []
 
 
 @pytest.mark.parametrize("name", ["all", "no chunks"])
@@ -108,7 +108,7 @@ def test_a_damaged_chunk_costs_only_itself(tmp_path):
         reading, numbers = _numbers(path)
         assert 0 < len(numbers) < _COUNT
         assert numbers == [*range(numbers[0], _COUNT)]
-        (row,) = reading.report.rows()
+        (row,) = reading.report.to_lines()
         assert_says(row, "a.mcap", "byte", "damaged")
 
 
@@ -151,7 +151,7 @@ def test_a_channel_that_cannot_be_read_costs_only_itself(said, tmp_path):
         writer.finish()
     reading, numbers = _numbers(path)
     assert numbers == [0, 2, 4]
-    (row,) = reading.report.rows()
+    (row,) = reading.report.to_lines()
     assert_says(row, "3 messages", "/b", said)
 
 
@@ -219,5 +219,5 @@ def test_two_types_of_one_name_are_not_mixed_up(tmp_path):
         writer.finish()
     reading = RosImport()
     assert [one.topic for one in reading.read(path)] == ["/0"]
-    (row,) = reading.report.rows()
+    (row,) = reading.report.to_lines()
     assert_says(row, "1 messages", "/1", "own_msgs/Item", "came before")

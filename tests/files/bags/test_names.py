@@ -64,7 +64,7 @@ def test_values_are_right_under_other_names(target, tmp_path):
         "own_msgs/Item.a_length": "a_length_",
     }
     assert reading.report.is_complete
-    assert len(reading.report.rows()) == 2
+    assert len(reading.report.to_lines()) == 2
 
 
 def test_constants_that_lcm_lacks_cost_only_themselves(tmp_path):
@@ -75,4 +75,4 @@ def test_constants_that_lcm_lacks_cost_only_themselves(tmp_path):
     ((_, message, _),) = reading.read(path)
     assert (message.x, type(message).FEW) == (4, 3)
     assert not hasattr(message, "MOST")
-    assert reading.report.rows() == []
+    assert reading.report.to_lines() == []

@@ -45,7 +45,7 @@ def test_numbers_of_own_types_are_right(target, tmp_path):
         assert getattr(message, f"one{number}") == value
         assert list(getattr(message, f"some{number}")) == [value, 1]
         assert list(getattr(message, f"two{number}")) == [value, 1]
-    assert reading.report.rows() == []
+    assert reading.report.to_lines() == []
 
 
 @_TARGETS
@@ -58,7 +58,7 @@ def test_a_uint64_above_the_largest_number_of_lcm_is_named(target, tmp_path):
     reading, messages = _imported(path)
     assert [one.one for one in messages] == [-2] * 3
     assert not reading.report.is_complete
-    for row, field in zip(reading.report.rows(), ("one", "some", "two"), strict=True):
+    for row, field in zip(reading.report.to_lines(), ("one", "some", "two"), strict=True):
         assert_says(row, "/item", field, "3 times", str(2**64 - 2))
 
 

@@ -62,7 +62,7 @@ def test_a_bag_that_was_not_closed_is_read(tmp_path):
     reading = RosImport()
     found = [one.message for one in reading.read(path)]
     assert [one.data for one in found] == [*range(_COUNT)]
-    (row,) = reading.report.rows()
+    (row,) = reading.report.to_lines()
     assert_says(row, "a.bag", "not indexed")
 
 
@@ -102,7 +102,7 @@ def test_a_strange_definition_costs_only_its_topic(definition, said, tmp_path):
     )
     reading = RosImport()
     assert [one.topic for one in reading.read(path)] == ["/words"] * 3
-    (row,) = reading.report.rows()
+    (row,) = reading.report.to_lines()
     assert_says(row, "1 messages", "/item", said)
 
 

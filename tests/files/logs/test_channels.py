@@ -8,7 +8,7 @@ from fixtures.wire import encode_event
 
 from lcmtools.bus.tap import Tap
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, decode_announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.names import Pattern, is_hidden, spellings
@@ -107,7 +107,7 @@ def test_a_summary_shows_the_spelling(names, log, cli):
 
 def test_a_node_announces_the_name_as_it_is(names):
     end = Endpoint(text(names[0]), Role.PUBLISHER, ("std_msgs/String",))
-    announced = encode_announcement(Announcement(Node("/n", "1", "h", 1, endpoints=(end,))))
+    announced = encode_announcement(Announcement(NodeInfo("/n", "1", "h", 1, endpoints=(end,))))
     read = decode_announcement(announced)
     assert read is not None
     assert [one.topic for one in read.node.endpoints] == [text(names[0])]

@@ -4,14 +4,14 @@ import pytest
 from fixtures.says import assert_says
 
 from lcmtools.bag.choice import RecordedTopics
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.names import Resolver
 
 _NAMES = Resolver("/husky0")
 _CHANNELS = ["/husky0/odometry", "/husky0/image", "/other", "EXAMPLE", "/husky0/_hidden"]
 _GRAPH = Graph(
     (
-        Node(
+        NodeInfo(
             "/husky0/driver",
             "1",
             "here",

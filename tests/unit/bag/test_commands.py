@@ -12,7 +12,7 @@ from lcmtools.bag.commands import (
     way_out,
 )
 from lcmtools.bag.playlist import Track
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness, Traffic
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import fingerprint, message_class, type_name
 from lcmtools.messages.supply import set_supply
@@ -21,7 +21,7 @@ from lcmtools.types.geometry_msgs import Pose, Twist, TwistStamped
 from lcmtools.types.sensor_msgs import JointState
 from lcmtools.wire.packet import Sender
 
-HOST = Node("/robot", "1", "elsewhere", 12)
+HOST = NodeInfo("/robot", "1", "elsewhere", 12)
 SENDER = Sender("10.0.0.9", 4000)
 
 

@@ -9,7 +9,7 @@ from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, decode_announcement, encode_announcement
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.observe.reading.losses import Loss
@@ -41,7 +41,9 @@ def path(tmp_path, monkeypatch):
             Endpoint("/a/number", Role.PUBLISHER, ("std_msgs/Float64",)),
             Endpoint("/a/silent", Role.SUBSCRIBER),
         )
-        said = encode_announcement(Announcement(Node("/driver", "id", "ada", 1, endpoints=ends)))
+        said = encode_announcement(
+            Announcement(NodeInfo("/driver", "id", "ada", 1, endpoints=ends))
+        )
         log.add_node(RecordedNode(_START, one, said))
         log.add_types([_TYPE])
         for tenth in range(1000):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from lcmtools.bag.index_notes import IndexNotes
 from lcmtools.bag.writer import LogWriter
-from lcmtools.graph.model import Node, RelayStep
+from lcmtools.graph.model import NodeInfo, RelayStep
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.observe.reading.log_file import LogFile
 from lcmtools.wire.packet import Packet, Sender
@@ -16,8 +16,8 @@ _SENDERS = _HERE, _RELAY = Sender("10.0.0.1", 1), Sender("10.0.0.1", 2)
 def test_a_node_that_left_behind_a_relay_gives_the_relay_no_name(tmp_path):
     graph = SimpleNamespace(nodes=())
     monitor = SimpleNamespace(losses=dict, types_of=lambda _: (), graph=lambda: graph)
-    near = Node("/near", "1", "ada", 7)
-    far = Node("/far", "2", "bob", 7, path=(RelayStep("r", "/relay", "0"),))
+    near = NodeInfo("/near", "1", "ada", 7)
+    far = NodeInfo("/far", "2", "bob", 7, path=(RelayStep("r", "/relay", "0"),))
     path = tmp_path / "a.lcmlog"
     with ThreadPoolExecutor(1) as worker, LogWriter(path) as writer:
         notes = IndexNotes(monitor, worker)

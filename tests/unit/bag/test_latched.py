@@ -15,7 +15,7 @@ from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.bag.ring import Ring, SnapshotPlan
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.observe.reading.log_file import LogFile
@@ -40,7 +40,7 @@ _LATCHED = ("map", "laser", "camera")
 
 def _announced(number, *topics, leaving=False):
     ends = tuple(Endpoint(topic, Role.PUBLISHER, latched=True) for topic in topics)
-    node = Node(f"/node{number}", str(number), "ada", number, endpoints=ends)
+    node = NodeInfo(f"/node{number}", str(number), "ada", number, endpoints=ends)
     return encode_announcement(Announcement(node, leaving=leaving))
 
 

@@ -10,7 +10,7 @@ from fixtures.wire import encode_event
 
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.messages.fields import fields
@@ -34,7 +34,7 @@ def look(tmp_path, capsys):
         driver = log.sender_number(Sender("127.0.0.1", 4001), "/driver")
         program = log.sender_number(Sender("127.0.0.1", 4002), "probe.py (pid 7)")
         ends = (Endpoint("/speed", Role.PUBLISHER, ("std_msgs/Float64",)),)
-        node = Node("/driver", "id", "ada", 1, command="driver --fast", endpoints=ends)
+        node = NodeInfo("/driver", "id", "ada", 1, command="driver --fast", endpoints=ends)
         log.add_node(RecordedNode(_START, driver, encode_announcement(Announcement(node))))
         message = Float64()
         for tenth in range(100):

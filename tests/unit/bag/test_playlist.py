@@ -8,7 +8,7 @@ from lcmtools.arguments import split_arguments
 from lcmtools.bag.edits import TopicChoice
 from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.errors import BusError, InvalidName, LcmtoolsError
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import fingerprint
@@ -102,7 +102,7 @@ def test_the_clock_stays_in_place_where_nodes_are_to_follow_it(log):
 
 def test_a_type_is_as_it_was_announced_else_the_likeliest(log):
     end = Endpoint("/p", Role.PUBLISHER, ("geometry_msgs/Point",), (fingerprint(Point),))
-    announced = encode_announcement(Announcement(Node("/n", "1", "h", 1, endpoints=(end,))))
+    announced = encode_announcement(Announcement(NodeInfo("/n", "1", "h", 1, endpoints=(end,))))
     point = encode(Point())
     path = log("a", ("/q", 0, point), (NODE_CHANNEL, 1, announced), ("/p", 2, point))
     with Playlist([path], Choice()) as playlist:

@@ -9,7 +9,7 @@ import lcmtools.bag
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.errors import UsageError
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.types.std_msgs import Float64
@@ -29,7 +29,7 @@ def _write(path, seconds):
     with LogWriter(path) as log:
         driver = log.sender_number(Sender("127.0.0.1", 4001), "/driver")
         ends = (Endpoint("/speed", Role.PUBLISHER, ("std_msgs/Float64",)),)
-        node = Node("/driver", "id", "ada", 1, endpoints=ends)
+        node = NodeInfo("/driver", "id", "ada", 1, endpoints=ends)
         log.add_node(RecordedNode(_START, driver, encode_announcement(Announcement(node))))
         for second in seconds:
             time = _START + second * _S

@@ -9,7 +9,7 @@ from fixtures.wire import encode_event
 from lcmtools.bag.playlist import Choice, Playlist
 from lcmtools.bag.reindex import reindex_log
 from lcmtools.bag.summary import summarize
-from lcmtools.bag.summary_report import record, span_text, time_text
+from lcmtools.bag.summary_report import span_text, time_text, to_json
 from lcmtools.bag.writer import LogWriter
 from lcmtools.cli.main import main
 from lcmtools.messages.codec import encode
@@ -68,7 +68,7 @@ def test_a_summary_is_the_same_with_and_without_an_index(path, keeps_index):
     assert (raw.types, raw.bytes) == ((), 24 * 8)
     assert raw.senders == ({"driver": 10, "/talker": 14} if keeps_index else {})
     assert list(found.losses.values()) == ([Loss(3, 500)] if keeps_index else [])
-    losses = record(found)["losses"]
+    losses = to_json(found)["losses"]
     times = [one["times"] for one in losses] if isinstance(losses, list) else []
     assert times == [[{"time": 0, "lost": 3, "of": 500}]] * keeps_index
     assert len(found.histogram) == 60

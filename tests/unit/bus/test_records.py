@@ -12,14 +12,14 @@ import pytest
 from lcmtools.bus.processes import process_of
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 
 _URL = parse_url("udpm://239.255.76.67:19999?ttl=0")
 
 
 def _node(**changes):
     values = {"name": "/a", "id": "abc", "host": "here", "pid": os.getpid(), "start_time": 5}
-    return Node(**{**values, "command": "a b", **changes})
+    return NodeInfo(**{**values, "command": "a b", **changes})
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import pytest
 
 from lcmtools.bag.reindex import reindex_log
 from lcmtools.cli.completion.situation import FILES, Situation, candidates
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.messages.codec import encode
 from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.registry import fingerprint, message_class
@@ -20,7 +20,7 @@ PUBLISHED = [
 ]
 GRAPH = Graph(
     nodes=(
-        Node(
+        NodeInfo(
             "/husky0/driver",
             "1",
             "morse",
@@ -31,7 +31,7 @@ GRAPH = Graph(
                 Endpoint("/husky0/_hidden", Role.SERVICE, ("std_srvs/Trigger",)),
             ),
         ),
-        Node("/_lcmtools_echo_1", "2", "morse", 2, tool=True),
+        NodeInfo("/_lcmtools_echo_1", "2", "morse", 2, tool=True),
     ),
     traffic=(
         Traffic("EXAMPLE", None, (fingerprint(message_class("geometry_msgs/Twist")),), 1, 0, 0, 0),
@@ -176,8 +176,8 @@ def test_robots_are_those_that_simulators_take_commands_for():
     ]
     state = Endpoint("/sim/get_state", Role.SERVICE, ("sim_msgs/GetState",))
     clock = Endpoint("/clock", Role.SUBSCRIBER)
-    simulator = Node("/sim", "3", "morse", 3, endpoints=(state, clock, *steered))
-    other = Node("/other", "4", "morse", 4, endpoints=(steered[0], clock))
+    simulator = NodeInfo("/sim", "3", "morse", 3, endpoints=(state, clock, *steered))
+    other = NodeInfo("/other", "4", "morse", 4, endpoints=(steered[0], clock))
 
     def robots(word):
         situation = Situation(word, {}, environment={})

@@ -8,9 +8,9 @@ from lcmtools.doctor.arbiter import arbitrate
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.findings import finding, rule, state
 from lcmtools.doctor.rules import RULES
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 
-_NODE = Node("/talker", "t", "here", 7)
+_NODE = NodeInfo("/talker", "t", "here", 7)
 _DEAD = state("dead", topic="/a").of("published", "/b")
 
 

@@ -12,7 +12,7 @@ from lcmtools.doctor.collect import _refreshed_graph, _without_departed
 from lcmtools.doctor.evidence import Evidence, derived
 from lcmtools.doctor.listening import Listening
 from lcmtools.doctor.memory import Memory
-from lcmtools.graph.model import Graph, Node, Staleness, Traffic
+from lcmtools.graph.model import Graph, NodeInfo, Staleness, Traffic
 from lcmtools.messages.codec import encode
 from lcmtools.types.rosgraph_msgs import Clock
 from lcmtools.wire.packet import Packet, Sender
@@ -36,7 +36,7 @@ class _Monitor:
 
     def graph(self):
         is_known = self.requests >= self.answered
-        node = Node("/far", "f", "h", 1, sender=self.sender)
+        node = NodeInfo("/far", "f", "h", 1, sender=self.sender)
         traffic = (Traffic("/a", self.sender, (), 1, 8, 0, 0),)
         return Graph((node,) if is_known else (), traffic)
 
@@ -63,7 +63,7 @@ class _LateNode(_Monitor):
     def __init__(self, pid, answered, count=1):
         super().__init__(HERE, 0)
         self.count = count
-        self.node = Node("/late", "l", socket.gethostname(), pid, stale=Staleness.HANGS)
+        self.node = NodeInfo("/late", "l", socket.gethostname(), pid, stale=Staleness.HANGS)
         self.waited = 0.0
         self.needed = answered
 
@@ -140,7 +140,7 @@ def test_a_look_goes_on_once_if_it_is_in_doubt(
 
 def test_messages_of_a_node_that_said_goodbye_are_no_plain_programs():
     stays, leaves, plain = (Sender("127.0.0.1", port) for port in (1, 2, 3))
-    nodes = [Node(f"/{one.port}", str(one.port), "h", 1, sender=one) for one in (stays, leaves)]
+    nodes = [NodeInfo(f"/{one.port}", str(one.port), "h", 1, sender=one) for one in (stays, leaves)]
     traffic = tuple(Traffic("/a", one, (), 1, 8, 0, 0) for one in (stays, leaves, plain))
     found = _without_departed(Graph((nodes[0],), traffic), before=Graph(tuple(nodes)))
     assert [seen.sender for seen in found.traffic] == [stays, plain]

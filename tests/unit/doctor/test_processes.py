@@ -10,7 +10,7 @@ import pytest
 from lcmtools.bus.processes import Process
 from lcmtools.doctor import lcm_processes
 from lcmtools.doctor.evidence import LcmProcess
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 
 
 @pytest.mark.parametrize(("topic", "searches"), [("/rosout", 0), ("/scan", 1)])
@@ -23,7 +23,7 @@ def test_other_buses_are_searched_only_for_what_is_missing(topic, searches, monk
 
     monkeypatch.setattr(lcm_processes, "_topics", topics)
     ends = tuple(Endpoint(name, Role.PUBLISHER) for name in (topic, "/_lcmtools/hidden"))
-    graph = Graph((Node("/laser", "laser", "here", 1, endpoints=ends),))
+    graph = Graph((NodeInfo("/laser", "laser", "here", 1, endpoints=ends),))
     away = LcmProcess(9, "ear", "239.255.76.67:7670", "LCMTOOLS_DOMAIN=3")
     (found_away,) = lcm_processes.with_topics([away], graph)
     assert searched == [away.bus] * searches

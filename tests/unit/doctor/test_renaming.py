@@ -5,7 +5,7 @@ from fixtures.judging import judge
 
 from lcmtools.doctor.evidence import Evidence
 from lcmtools.doctor.renaming import are_near
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_names_that_are_near(one, other, near):
 
 def _node(name, role, topic):
     end = Endpoint(topic, role, ("geometry_msgs/Twist",), (0x2E7C07D7CDF7E027,))
-    return Node(name, name, "here", 1, endpoints=(end,))
+    return NodeInfo(name, name, "here", 1, endpoints=(end,))
 
 
 def test_many_topics_that_may_be_meant_are_not_all_told_to_each_of_many_subscriptions():

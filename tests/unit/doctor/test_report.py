@@ -9,13 +9,13 @@ from lcmtools.doctor.evidence import Evidence, SenderFacts
 from lcmtools.doctor.findings import Severity, finding, rule, state
 from lcmtools.doctor.rules import RULES
 from lcmtools.doctor.sentences import commands
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness
 from lcmtools.wire.packet import Sender
 
 
 def node(name, **values):
     ears = (Endpoint(name, Role.SUBSCRIBER),)
-    return Node(name, name, "here", 1, **{"endpoints": ears, **values})
+    return NodeInfo(name, name, "here", 1, **{"endpoints": ears, **values})
 
 
 def system(*nodes):

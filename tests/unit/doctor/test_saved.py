@@ -24,12 +24,14 @@ from lcmtools.doctor.evidence import (
 )
 from lcmtools.doctor.saved import from_text, load, save, to_text
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness, Traffic
 from lcmtools.wire.packet import Sender
 
 ALICE = Sender("10.0.0.1", 4000)
 TAKES = Endpoint("/a", Role.SUBSCRIBER, ("std_msgs/String",), (1 << 63,), "g", 10, 1, 2, 3, 4, 5)
-NODE = Node("/n", "id", "h", 7, 1, "run n", tool=True, ports=(5,), endpoints=(TAKES,), sender=ALICE)
+NODE = NodeInfo(
+    "/n", "id", "h", 7, 1, "run n", tool=True, ports=(5,), endpoints=(TAKES,), sender=ALICE
+)
 NODE = NODE._replace(last_announced=9, stale=Staleness.HANGS, busy=1, sent=2)
 LISTENER = Listener("l", None, 0, 1, 2, 3, 4, "T", is_tool=True, is_node=True)
 STREAM = Stream("A", ALICE, "alice", (1, 2), 3, 4, is_cut=True, pid=5)

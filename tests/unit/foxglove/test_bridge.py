@@ -5,7 +5,7 @@ from types import SimpleNamespace
 from lcmtools.bag.choice import RecordedTopics
 from lcmtools.bus.url import parse_url
 from lcmtools.foxglove.bridge import Bridge
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.observe.reading.find import GLOBAL
 
 
@@ -29,7 +29,7 @@ def test_many_new_topics_are_offered_a_few_at_a_time():
     server = Server()
     monitor = SimpleNamespace(types_of=lambda _: (), url=parse_url("memq://"), listen_to=print)
     ends = [Endpoint(f"/t{number}", Role.PUBLISHER, ("std_msgs/String",)) for number in range(70)]
-    graph = Graph((Node("/n", "/n", "h", 7, endpoints=tuple(ends)),))
+    graph = Graph((NodeInfo("/n", "/n", "h", 7, endpoints=tuple(ends)),))
     bridge = Bridge(monitor, RecordedTopics((), GLOBAL), print)
     counts = []
     has_more = True
@@ -47,6 +47,6 @@ def test_names_that_are_not_for_clients_are_left_out():
     names = ("/a", "b\udcff", "\x1b[2J")
     ends = [Endpoint(name, Role.PUBLISHER, ("std_msgs/String",)) for name in names]
     bridge = Bridge(monitor, RecordedTopics((), GLOBAL), print)
-    graph = Graph((Node("/n", "/n", "h", 7, endpoints=tuple(ends)),))
+    graph = Graph((NodeInfo("/n", "/n", "h", 7, endpoints=tuple(ends)),))
     bridge.update_offers(graph, server)
     assert server.offered == ["/a"]

@@ -5,7 +5,7 @@ from time import thread_time
 import pytest
 
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Node, RelayStep, Role, Staleness, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, RelayStep, Role, Staleness, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -22,7 +22,7 @@ _ALICE, _BOB, _EVE = (Sender("10.0.0.1", port) for port in (40_001, 40_002, 40_0
 
 def _node(name="/a", **changes):
     values = {"name": name, "id": f"id of {name}", "host": "h", "pid": 1}
-    return Node(**{**values, **changes})
+    return NodeInfo(**{**values, **changes})
 
 
 def _announce(builder, node, *, sender=_ALICE, time=0, leaving=False):

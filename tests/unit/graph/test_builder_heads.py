@@ -4,7 +4,7 @@ import pytest
 
 from lcmtools.graph import builder
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     SHUTDOWN_CHANNEL,
@@ -17,7 +17,7 @@ from lcmtools.graph.protocol import (
 )
 from lcmtools.wire.packet import Packet
 
-_NODE = Node("/a", "id-1", "h", 1, endpoints=(Endpoint("/t", Role.PUBLISHER),))
+_NODE = NodeInfo("/a", "id-1", "h", 1, endpoints=(Endpoint("/t", Role.PUBLISHER),))
 
 
 @pytest.fixture

@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import Announcement, encode_announcement, head_of
 
-NODE = Node(
+NODE = NodeInfo(
     name="/husky0/driver",
     id="d41d8cd98f",
     host="husky",

@@ -2,12 +2,12 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.wire.packet import Sender
 
 
 def _node(name, *endpoints, tool=False):
-    return Node(name, f"id of {name}", "h", 1, tool=tool, endpoints=endpoints)
+    return NodeInfo(name, f"id of {name}", "h", 1, tool=tool, endpoints=endpoints)
 
 
 def _seen(channel, messages=1, last_time=0):

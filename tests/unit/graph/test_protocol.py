@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lcmtools.graph.model import CallbackError, Endpoint, Node, Role, Traffic
+from lcmtools.graph.model import CallbackError, Endpoint, NodeInfo, Role, Traffic
 from lcmtools.graph.protocol import (
     MOST_OBSERVED,
     Announcement,
@@ -25,7 +25,7 @@ from lcmtools.messages.codec import encode
 from lcmtools.types import lcmtools_msgs as msgs
 from lcmtools.types.std_msgs import String
 
-_NODE = Node(
+_NODE = NodeInfo(
     name="/husky0/driver",
     id="abc",
     host="robot",
@@ -61,7 +61,7 @@ _NODE = Node(
 
 
 _MANY = tuple(Endpoint(f"/topic_{n}", Role.PUBLISHER) for n in range(500))
-_BARE = Node("/a", "i", "h", 1)
+_BARE = NodeInfo("/a", "i", "h", 1)
 _ANNOUNCEMENT = encode_announcement, decode_announcement
 _PROBE, _SHUTDOWN = (encode_probe, decode_probe), (encode_shutdown, decode_shutdown)
 
@@ -212,7 +212,7 @@ def test_of_what_a_stranger_claims_to_have_observed_the_first_valid_channels_are
     names = ["", "a" * 300, *(f"/{number}" for number in range(1_000))]
     observed = tuple(Traffic(name, None, (), 1, 1, -(1 << 63), (1 << 63) - 1) for name in names)
     decoded = decode_announcement(
-        encode_announcement(Announcement(Node("/n", "i", "h", 1, observed=observed)))
+        encode_announcement(Announcement(NodeInfo("/n", "i", "h", 1, observed=observed)))
     )
     read = decoded.node.observed
     assert [seen.channel for seen in read] == names[2:MOST_OBSERVED]

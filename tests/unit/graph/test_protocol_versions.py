@@ -20,7 +20,7 @@ from lcmtools.bus.url import parse_url
 from lcmtools.doctor.saved import from_text
 from lcmtools.errors import DecodeError
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import VERSION, Endpoint, Node, Role
+from lcmtools.graph.model import VERSION, Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROTOCOL_CHANNELS,
@@ -316,7 +316,7 @@ def record(tmp_path):
 
     def write(values):
         records = NodeRecords(url, {"XDG_RUNTIME_DIR": str(tmp_path)})
-        records.write(Node("/other", "other", "here", os.getpid()))
+        records.write(NodeInfo("/other", "other", "here", os.getpid()))
         (folder,) = (tmp_path / "lcmtools" / "records").iterdir()
         (folder / "abc.json").write_text(json.dumps(values))
         records.remove("other")

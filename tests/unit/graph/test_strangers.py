@@ -6,7 +6,7 @@ import pytest
 
 from lcmtools.graph import protocol
 from lcmtools.graph.builder import MOST_FLOWS, MOST_NODES, GraphBuilder
-from lcmtools.graph.model import CallbackError, Endpoint, Node, RelayStep, Role
+from lcmtools.graph.model import CallbackError, Endpoint, NodeInfo, RelayStep, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     Announcement,
@@ -32,7 +32,7 @@ def _said(node, time=1, *, leaving=False):
 
 
 def _nodes(count):
-    return (Node(f"/n{number}", f"id{number}", "h", 1) for number in range(count))
+    return (NodeInfo(f"/n{number}", f"id{number}", "h", 1) for number in range(count))
 
 
 def test_channels_are_bounded_and_the_longest_silent_is_forgotten():
@@ -91,7 +91,7 @@ def test_many_that_are_silent_for_a_minute_are_forgotten_down_to_some():
 def test_types_of_many_channels_are_looked_up_in_one_go(monkeypatch):
     graph, passes = GraphBuilder(), []
     ends = tuple(Endpoint(f"/t{number}", Role.PUBLISHER, ("a/B",)) for number in range(100))
-    graph.add(_said(Node("/n", "id", "h", 1, endpoints=ends)))
+    graph.add(_said(NodeInfo("/n", "id", "h", 1, endpoints=ends)))
     whole = graph._types_by_channel
     monkeypatch.setattr(graph, "_types_by_channel", lambda: passes.append(1) or whole())
     assert {graph.types_of(f"/t{number}") for number in range(100)} == {("a/B",)}
@@ -100,7 +100,9 @@ def test_types_of_many_channels_are_looked_up_in_one_go(monkeypatch):
 
 def _bomb(size):
     """An announcement whose details are an array of ``size`` bytes of empty endpoints."""
-    message = decode(msgs.Announcement, encode_announcement(Announcement(Node("/n", "i", "h", 1))))
+    message = decode(
+        msgs.Announcement, encode_announcement(Announcement(NodeInfo("/n", "i", "h", 1)))
+    )
     count = size // 4
     # ports, endpoints and errors are counted by the first three numbers
     message.details = b"\0\0\0\0" + count.to_bytes(4, "big") + bytes(4 * count + 16)
@@ -122,9 +124,9 @@ def test_an_announcement_that_is_too_large_is_not_unpacked():
 @pytest.mark.parametrize(
     "node",
     [
-        Node("/n", "i" * 100_000, "h", 1),
-        Node("/n", "i", "h" * 100_000, 1),
-        Node("/n", "i" * 1_000_000, "h", 1, path=(RelayStep("r", "/r", "b"),)),
+        NodeInfo("/n", "i" * 100_000, "h", 1),
+        NodeInfo("/n", "i", "h" * 100_000, 1),
+        NodeInfo("/n", "i" * 1_000_000, "h", 1, path=(RelayStep("r", "/r", "b"),)),
     ],
     ids=["id", "host", "behind a relay"],
 )
@@ -137,7 +139,7 @@ def test_an_announcement_of_thousands_of_endpoints_is_read():
         Endpoint(f"/robot_{n}/camera/image", Role.PUBLISHER, ("a/B",)) for n in range(3000)
     )
     errors = (CallbackError("/a", "E", "m", "x.py:1", 1, 1),) * 5
-    node = Node("/n", "i", "h", 1, endpoints=ends, errors=errors)
+    node = NodeInfo("/n", "i", "h", 1, endpoints=ends, errors=errors)
     found = decode_announcement(encode_announcement(Announcement(node)))
     assert len(found.node.endpoints) == 3000
 
@@ -154,10 +156,10 @@ def test_decoded_endpoints_are_kept_by_number_and_size():
     many = tuple(Endpoint(f"/t{n}", Role.PUBLISHER, ("a/B",)) for n in range(3000))
     for round_ in range(4):
         ends = tuple(end._replace(depth=round_) for end in many)
-        decode_announcement(_said(Node("/n", "i", "h", 1, endpoints=ends)).payload)
+        decode_announcement(_said(NodeInfo("/n", "i", "h", 1, endpoints=ends)).payload)
     assert kept().currsize == kept().maxsize
     large = Endpoint("/t", Role.PUBLISHER, ("x" * 10_000,))
     before = kept().misses
-    found = decode_announcement(_said(Node("/n", "i", "h", 1, endpoints=(large,))).payload)
+    found = decode_announcement(_said(NodeInfo("/n", "i", "h", 1, endpoints=(large,))).payload)
     assert found.node.endpoints == (large,)
     assert kept().misses == before

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from fixtures.gui import FakeSource
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness
 from lcmtools.gui.source import topic_named, topic_to_publish
 from lcmtools.gui.streams.steer import Steer
 from lcmtools.gui.streams.topics import Topics, current_rows
@@ -17,12 +17,12 @@ SECOND = 1_000_000_000
 NOW = 1_000 * SECOND
 CLOCK = Endpoint("/clock", Role.PUBLISHER, ("rosgraph_msgs/Clock",))
 STEP = Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step",))
-SIMULATOR = Node("/sim", "s", "here", 7, NOW - 10 * SECOND, endpoints=(CLOCK, STEP))
+SIMULATOR = NodeInfo("/sim", "s", "here", 7, NOW - 10 * SECOND, endpoints=(CLOCK, STEP))
 OLD = ChannelRow("/husky0/odometry", ("nav_msgs/Odometry",), age=20.0)
 
 
 def publisher(stale=Staleness.NOT):
-    return Node(
+    return NodeInfo(
         "/p", "p", "here", 8, endpoints=(Endpoint(OLD.channel, Role.PUBLISHER),), stale=stale
     )
 

@@ -9,7 +9,7 @@ import pytest
 from fixtures.gui import FakeSource
 from fixtures.says import assert_says
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.gui import drawings
 from lcmtools.gui.drawings import DRAWINGS, MarkerScene, drawing_kinds
 from lcmtools.gui.streams import STREAMS
@@ -63,7 +63,7 @@ def test_topics_that_can_be_drawn_and_simulators_are_listed():
     source = FakeSource()
     source.know(tf=TFMessage, scan=LaserScan, chatter=String, camera=Image, unknown=None)
     service = Endpoint("/morse/set_pose", Role.SERVICE, types=("sim_msgs/SetPose",))
-    node = Node("/morse", "1", "here", 1, endpoints=(service,))
+    node = NodeInfo("/morse", "1", "here", 1, endpoints=(service,))
     source.latest = Snapshot(source.latest.rows, graph=Graph(nodes=(node,)))
     stream = Drawable(source)
     update = stream.update()
@@ -150,7 +150,7 @@ def test_a_frame_that_was_sent_repeatedly_is_old_when_it_no_longer_is(
     source = FakeSource()
     stream = Frames(source, topic="/tf")
     end = Endpoint("/tf", Role.PUBLISHER, types=("tf2_msgs/TFMessage",), latched=is_latched)
-    nodes = (Node("/n", "1", "here", 1, endpoints=(end,)),)
+    nodes = (NodeInfo("/n", "1", "here", 1, endpoints=(end,)),)
     for time, child in sorted((time, child) for child, times in sent.items() for time in times):
         source.put("/tf", transforms(("odom", child, 1)), time=time)
         stream.update()

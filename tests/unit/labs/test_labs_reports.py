@@ -16,11 +16,11 @@ from lcmtools.labs.checks.check_report import (
     class_rows,
     heading,
     junit,
-    read_record,
-    record,
+    read_json,
     summary,
+    to_json,
 )
-from lcmtools.labs.checks.check_report import rows as rows_of
+from lcmtools.labs.checks.check_report import to_lines as rows_of
 from lcmtools.labs.checks.class_check import ClassCheck
 from lcmtools.labs.checks.observations import (
     Desire,
@@ -101,7 +101,7 @@ def test_the_summary_ends_with_the_first_cause():
 
 
 def test_json_says_whose_programs_and_what_follows_from_what():
-    plain = record("husky", [REPORT])
+    plain = to_json("husky", [REPORT])
     assert plain["programs"] == {
         "controller": {"command": "python 'my c.py'", "model_answer": False, "duration": 12.3}
     }
@@ -116,8 +116,8 @@ def test_json_says_whose_programs_and_what_follows_from_what():
 
 
 def test_a_record_can_be_read_back():
-    plain = json.loads(json.dumps(record("husky", [REPORT])))
-    (report,) = read_record(plain)
+    plain = json.loads(json.dumps(to_json("husky", [REPORT])))
+    (report,) = read_json(plain)
     assert report == replace(
         REPORT, observations=None, command=["python", "my c.py"], duration=12.3
     )

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from lcmtools.cli.completion.situation import FILES, Situation, candidates
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Graph, NodeInfo
 
-GRAPH = Graph(nodes=(Node("/husky0/driver", "1", "morse", 1),))
+GRAPH = Graph(nodes=(NodeInfo("/husky0/driver", "1", "morse", 1),))
 
 
 def complete(kind, word, given):

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from lcmtools.errors import DecodeError
 from lcmtools.message_value import MessageValue
+from lcmtools.messages.array_codec import Cursor, Malformed
 from lcmtools.messages.codec import PayloadEncoder, decode, encode
 from lcmtools.messages.coder import coder
 from lcmtools.messages.definition import definition
@@ -28,7 +29,6 @@ from lcmtools.messages.message_template import draft_from_values
 from lcmtools.messages.path import Path, select
 from lcmtools.messages.plain import plain_value, to_json, to_plain
 from lcmtools.messages.registry import candidates, fingerprint, message_class, type_name
-from lcmtools.messages.rows import Cursor, Malformed
 from lcmtools.messages.scalars import INTEGERS
 from lcmtools.messages.text import FREE, format_message
 from lcmtools.types.fingerprints import FINGERPRINTS

@@ -240,7 +240,7 @@ def test_who_is_called_knows_before_what_this_program_listens_to(begin, bus, mon
 def test_a_fault_of_one_announcement_is_reported_and_the_next_is_made(bus, wait_until):
     reports = []
     bus.on_outage = reports.append
-    node, faults = model.Node("/a", "1", "here", 1), [OSError(28, "No space left on device")]
+    node, faults = model.NodeInfo("/a", "1", "here", 1), [OSError(28, "No space left on device")]
 
     def describe():
         if faults:

@@ -7,8 +7,7 @@ from fixtures.says import raises_saying
 import lcmtools
 from lcmtools import Node
 from lcmtools.errors import BusError, InvalidName, ValueMismatch
-from lcmtools.graph.model import Endpoint, Graph, Role
-from lcmtools.graph.model import Node as GraphNode
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.messages.codec import decode
 from lcmtools.messages.registry import fingerprint
@@ -126,7 +125,7 @@ def test_publishing_when_the_bus_was_left_is_a_line_in_the_log(begin, capsys):
 
 
 def _hear_of(bus, identity, *endpoints, leaving=False):
-    node = GraphNode(f"/{identity}", identity, "h", 1, endpoints=endpoints)
+    node = NodeInfo(f"/{identity}", identity, "h", 1, endpoints=endpoints)
     bus.publish(NODE_CHANNEL, encode_announcement(Announcement(node, leaving)))
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.observe.channels.activity import Activity, Flow
 from lcmtools.wire.packet import Packet, Sender
 
@@ -96,9 +96,9 @@ def test_all_topics_at_once_are_those_one_by_one():
     here, there = Sender("127.0.0.1", 1), Sender("127.0.0.1", 2)
     ends = (Endpoint("/a", Role.PUBLISHER), Endpoint("/b", Role.SUBSCRIBER))
     nodes = (
-        Node("/n", "1", "h", 1, endpoints=ends, sender=here),
-        Node("/m", "2", "h", 2, endpoints=ends[:1]),
-        Node("/_tool", "3", "h", 3, tool=True, endpoints=(Endpoint("/c", Role.SUBSCRIBER),)),
+        NodeInfo("/n", "1", "h", 1, endpoints=ends, sender=here),
+        NodeInfo("/m", "2", "h", 2, endpoints=ends[:1]),
+        NodeInfo("/_tool", "3", "h", 3, tool=True, endpoints=(Endpoint("/c", Role.SUBSCRIBER),)),
     )
     traffic = tuple(
         Traffic(channel, sender, (7,), 1, 8, 0, 1)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.observe.channels.channel_report import rows as table
+from lcmtools.observe.channels.channel_report import to_lines as table
 from lcmtools.observe.channels.columns import (
     COLUMNS,
     TableView,

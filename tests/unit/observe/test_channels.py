@@ -3,7 +3,7 @@
 from lcmtools.bus.processes import Process
 from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness
 from lcmtools.messages.codec import encode
 from lcmtools.observe.channels.activity import Activity
 from lcmtools.observe.channels.rows import ChannelRow, ChannelRows, ChannelSelection
@@ -54,7 +54,7 @@ def make(
 
 
 def node(name, *ends, sender=None, stale=""):
-    return Node(name, name, "h", 7, endpoints=ends, sender=sender, stale=Staleness(stale))
+    return NodeInfo(name, name, "h", 7, endpoints=ends, sender=sender, stale=Staleness(stale))
 
 
 def test_a_node_that_publishes_is_named_and_its_type_counts():

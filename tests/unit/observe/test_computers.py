@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.observe.reports import describe
 from lcmtools.observe.reports.describe import Computers, by_computer
 from lcmtools.wire.packet import Sender
@@ -18,7 +18,7 @@ def _here(monkeypatch):
 def _node(host, address, topic="/a"):
     sender = Sender(address, 40_000) if address else None
     endpoints = (Endpoint(topic, Role.PUBLISHER),)
-    return Node(f"/{host}", f"{host}{address}", host, 1, endpoints=endpoints, sender=sender)
+    return NodeInfo(f"/{host}", f"{host}{address}", host, 1, endpoints=endpoints, sender=sender)
 
 
 def _seen(channel, address):

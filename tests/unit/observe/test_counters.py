@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.observe.measuring.counters import (
     Counters,
     average_rate,
@@ -15,7 +15,7 @@ from lcmtools.wire.packet import Sender
 
 SECOND = 1_000_000_000
 ENDPOINT = Endpoint("/a", Role.SUBSCRIBER, calls=10, busy=500)
-NODE = Node("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
+NODE = NodeInfo("/n", "n", "h", 1, sent=5 * SECOND, busy=SECOND)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_where_nothing_was_counted_there_is_no_rate():
 
 
 def test_an_average_rate_is_from_the_nodes_start_to_its_last_message():
-    node = Node("/a", "id", "host", 1, start_time=90 * SECOND)
+    node = NodeInfo("/a", "id", "host", 1, start_time=90 * SECOND)
     assert average_rate(node, _counted(20, 100.0)) == pytest.approx(2)
     assert average_rate(node, _counted(1, 100.0)) is None
     assert average_rate(node, _counted(5, 80.0)) is None
@@ -82,16 +82,16 @@ def test_an_average_rate_is_from_the_nodes_start_to_its_last_message():
 
 def test_the_announced_rate_counts_where_one_look_has_to_do():
     known = _counted(7, 100.0)._replace(rate=2.5)
-    node = Node("/a", "id", "host", 1, endpoints=(known, known._replace(topic="/b", rate=0.0)))
+    node = NodeInfo("/a", "id", "host", 1, endpoints=(known, known._replace(topic="/b", rate=0.0)))
     counters = Counters(Graph((node,)), Graph((node,)))
-    assert counters.record(node, known)["rate"] == 2.5
-    assert counters.record(node, node.endpoints[1])["rate"] is None
+    assert counters.to_json(node, known)["rate"] == 2.5
+    assert counters.to_json(node, node.endpoints[1])["rate"] is None
     assert "rate: 2.50 Hz" in counters.of_endpoint(node, known)
 
 
 def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen():
     sender, end = Sender("127.0.0.1", 4000), Endpoint("/a", Role.PUBLISHER)
-    node = Node("/a", "id", "host", 1, endpoints=(end,), sender=sender)
+    node = NodeInfo("/a", "id", "host", 1, endpoints=(end,), sender=sender)
     seen = Traffic("/a", sender, (), 12, 96, 98 * SECOND, 99 * SECOND)
     counters = Counters(Graph((node,)), Graph((node,), (seen,), time=100 * SECOND))
     assert "seen messages: 12, bytes: 96" in counters.of_endpoint(node, end)
@@ -101,15 +101,15 @@ def test_of_a_publisher_that_counts_nothing_is_told_what_was_seen():
 @pytest.mark.parametrize("role", [Role.PUBLISHER, Role.SUBSCRIBER])
 def test_counts_of_an_endpoint_that_counts_nothing_are_not_known(role):
     end = Endpoint("/a", role)
-    node = Node("/a", "id", "host", 1, endpoints=(end, end._replace(topic="/b", depth=5)))
+    node = NodeInfo("/a", "id", "host", 1, endpoints=(end, end._replace(topic="/b", depth=5)))
     counters = Counters(Graph((node,)), Graph((node,), time=100 * SECOND))
     text, other = (counters.of_endpoint(node, one) for one in node.endpoints)
     assert text == "messages: not known (its program does not count them)"
     assert "messages: 0, bytes: 0" in other
     assert " * /a: messages: not known" in "\n".join(
-        node_report.rows(node, Graph(), 0, [], show_hidden=True)
+        node_report.to_lines(node, Graph(), 0, [], show_hidden=True)
     )
-    record, zero = (counters.record(node, one) for one in node.endpoints)
+    record, zero = (counters.to_json(node, one) for one in node.endpoints)
     for name in ("messages", "bytes", "drops", "incomplete"):
         assert (record[name], zero[name]) == (None, 0)
 
@@ -117,13 +117,13 @@ def test_counts_of_an_endpoint_that_counts_nothing_are_not_known(role):
 def test_what_a_simulator_announced_when_its_sensor_became_idle_is_no_rate():
     imu = _counted(40, 100.0)._replace(rate=5.4)
     step = Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step_Request",))
-    sim = Node("/sim", "id", "host", 1, start_time=90 * SECOND, endpoints=(imu, step))
-    ear = Node("/ear", "ear", "host", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
+    sim = NodeInfo("/sim", "id", "host", 1, start_time=90 * SECOND, endpoints=(imu, step))
+    ear = NodeInfo("/ear", "ear", "host", 2, endpoints=(Endpoint("/a", Role.SUBSCRIBER),))
 
     def shown(*nodes, before=None):
         was = sim._replace(endpoints=(before, step)) if before else sim
         counters = Counters(Graph((was,)), Graph(nodes, time=101 * SECOND))
-        record = counters.record(nodes[0], imu)
+        record = counters.to_json(nodes[0], imu)
         return counters.of_endpoint(nodes[0], imu), record["rate"], record["average_rate"]
 
     text, *numbers = shown(sim)

@@ -8,7 +8,7 @@ from lcmtools.bus.processes import Process
 from lcmtools.graph.drawing.diagram import Edge, Member, Relation
 from lcmtools.graph.drawing.labels import notes
 from lcmtools.graph.drawing.subgraph import DiagramOptions, select
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness, Traffic
 from lcmtools.messages.registry import fingerprint
 from lcmtools.observe.reading.senders import Program
 from lcmtools.observe.reports.bus_diagram import diagram_of
@@ -21,7 +21,7 @@ _SECOND = 1_000_000_000
 
 def _node(name, *endpoints, port=0, **other):
     sender = Sender("127.0.0.1", port) if port else None
-    return Node(name, f"{name} {port}", HOST, 7, endpoints=endpoints, sender=sender, **other)
+    return NodeInfo(name, f"{name} {port}", HOST, 7, endpoints=endpoints, sender=sender, **other)
 
 
 def _seen(channel, port, messages=3):
@@ -90,7 +90,7 @@ def test_a_program_of_another_computer_is_there():
 
 
 def test_a_node_of_another_computer_and_a_stale_one():
-    far = Node("/far", "id", "robot", 7)
+    far = NodeInfo("/far", "id", "robot", 7)
     dead = _node("/dead", stale=Staleness.ENDED)
     one, other = diagram_of(Graph((far, dead)), [], None).members
     assert (one.is_here, one.host, one.stale) == (False, "robot", "")

@@ -3,20 +3,20 @@
 import pytest
 
 from lcmtools.errors import LcmtoolsError, UsageError
-from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.graph.model import Graph, NodeInfo, Staleness
 from lcmtools.observe.reading.find import find_node, find_nodes
 from lcmtools.wire.packet import Sender
 
 _GRAPH = Graph(
     (
-        Node("/husky0/driver", "1", "h", 11),
-        Node("/husky1/driver", "2", "h", 12),
-        Node("/husky1/simple_controller", "3", "h", 12),
-        Node("/talker", "4", "h", 13, stale=Staleness.ENDED),
-        Node("/talker", "5", "h", 14),
-        Node("/twin", "6", "h", 15),
-        Node("/twin", "7", "h", 16),
-        Node("/twin", "8", "ada", 13, sender=Sender("10.0.0.1", 40_000)),
+        NodeInfo("/husky0/driver", "1", "h", 11),
+        NodeInfo("/husky1/driver", "2", "h", 12),
+        NodeInfo("/husky1/simple_controller", "3", "h", 12),
+        NodeInfo("/talker", "4", "h", 13, stale=Staleness.ENDED),
+        NodeInfo("/talker", "5", "h", 14),
+        NodeInfo("/twin", "6", "h", 15),
+        NodeInfo("/twin", "7", "h", 16),
+        NodeInfo("/twin", "8", "ada", 13, sender=Sender("10.0.0.1", 40_000)),
     )
 )
 

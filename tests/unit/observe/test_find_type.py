@@ -1,6 +1,6 @@
 """Which topics are of a type."""
 
-from lcmtools.graph.model import Endpoint, Node, Role, Topic, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, Role, Topic, Traffic
 from lcmtools.messages.registry import fingerprint, message_class
 from lcmtools.observe.reading.find import is_of_type
 
@@ -9,7 +9,7 @@ _TWIST = fingerprint(message_class("geometry_msgs/Twist"))  # Accel has it too
 
 def _topic(*, announced="", seen=None):
     endpoint = Endpoint("/a", Role.PUBLISHER, types=(announced,))
-    publishers = ((Node("/node", "id", "host", 1), endpoint),) if announced else ()
+    publishers = ((NodeInfo("/node", "id", "host", 1), endpoint),) if announced else ()
     traffic = (Traffic("/a", None, (seen,), 1, 8, 0, 0),) if seen is not None else ()
     return Topic("/a", publishers, (), traffic, ())
 

@@ -10,7 +10,7 @@ import pytest
 from lcmtools.bus.processes import Process
 from lcmtools.bus.records import NodeRecords
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.graph.protocol import NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.observe.reading.monitor import BusMonitor
 from lcmtools.wire.packet import Packet, Sender
@@ -68,7 +68,7 @@ def late_bus(tmp_path):
     """A bus with one node, whose process is this one."""
     environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
     host, now = socket.gethostname(), time.time_ns()
-    node = Node("/driver", "1", host=host, pid=os.getpid(), start_time=now)
+    node = NodeInfo("/driver", "1", host=host, pid=os.getpid(), start_time=now)
     NodeRecords(URL, environment).write(node)
     return BusMonitor(URL, "test", environment, LateObserver(node))
 
@@ -84,7 +84,7 @@ def test_a_stopped_node_is_not_waited_for(late_bus, monkeypatch):
 
 
 def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path):
-    observer = LateObserver(Node("/driver", "1", host="h", pid=1))
+    observer = LateObserver(NodeInfo("/driver", "1", host="h", pid=1))
     environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
     monitor = BusMonitor(URL, "test", environment, observer, asked=time.monotonic())
     monitor.settle(foreign=False)
@@ -94,7 +94,7 @@ def test_nodes_that_were_asked_before_the_look_are_not_asked_twice(tmp_path):
 
 
 def test_a_second_request_is_sent_however_busy_this_computer_is(tmp_path):
-    observer = LossyObserver(Node("/driver", "1", host="other", pid=1), SOON)
+    observer = LossyObserver(NodeInfo("/driver", "1", host="other", pid=1), SOON)
     environment = {"XDG_RUNTIME_DIR": str(tmp_path)}
     monitor = BusMonitor(BETWEEN_COMPUTERS, "test", environment, observer)
     assert [node.name for node in monitor.settle(foreign=False).nodes] == ["/driver"]

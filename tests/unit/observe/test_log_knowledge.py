@@ -7,7 +7,7 @@ import pytest
 from lcmtools.bag.writer import LogWriter
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError
-from lcmtools.graph.model import Endpoint, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, NodeInfo, Role, Staleness
 from lcmtools.graph.protocol import Announcement, encode_announcement
 from lcmtools.messages.codec import encode
 from lcmtools.messages.registry import candidates, message_class
@@ -50,7 +50,7 @@ def _string(text):
 
 def _node(name):
     publisher = Endpoint("/chatter", Role.PUBLISHER, ("std_msgs/String",))
-    return Node(name, f"id-of-{name}", "ada", 12, endpoints=(publisher,))
+    return NodeInfo(name, f"id-of-{name}", "ada", 12, endpoints=(publisher,))
 
 
 def _monitor(path):

@@ -3,7 +3,7 @@
 import pytest
 
 from lcmtools.errors import NothingReceived
-from lcmtools.graph.model import Graph, Node, Staleness
+from lcmtools.graph.model import Graph, NodeInfo, Staleness
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -15,7 +15,7 @@ from lcmtools.graph.protocol import (
 from lcmtools.observe.node_requests import ping, pings
 from lcmtools.wire.packet import Packet
 
-NODE = Node("/a", "id of a", "host", 1)
+NODE = NodeInfo("/a", "id of a", "host", 1)
 
 
 def _probe(nonce, target="/a"):

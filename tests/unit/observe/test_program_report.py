@@ -6,7 +6,7 @@ from lcmtools.bus.processes import Process
 from lcmtools.bus.sockets import UdpSocket
 from lcmtools.observe.node_requests import program_names
 from lcmtools.observe.reading.senders import Program
-from lcmtools.observe.reports.program_report import command_text, listed_rows, record
+from lcmtools.observe.reports.program_report import command_text, listed_rows, to_json
 
 JAVA = (Process(5, "java A"), Process(7, "java B"))
 
@@ -19,7 +19,7 @@ def _program(process=None, drops=0, **values):
 def test_whose_a_shared_port_may_be_is_said_and_not_guessed():
     program = _program(candidates=JAVA)
     assert command_text(program) == "a program: maybe A (pid 5) or B (pid 7)"
-    found = record(program)
+    found = to_json(program)
     assert (found["pid"], found["candidates"]) == (None, [5, 7])
 
 
@@ -32,7 +32,7 @@ def test_of_a_program_of_which_nothing_is_known_nothing_is_said():
 )
 def test_what_a_listener_has_lost_stands_beside_it(drops, text):
     assert listed_rows(_program(JAVA[0], drops))[1] == f"\t{text}"
-    assert record(_program(JAVA[0], drops))["drops"] == drops
+    assert to_json(_program(JAVA[0], drops))["drops"] == drops
 
 
 def test_a_program_without_a_process_is_meant_by_its_address():

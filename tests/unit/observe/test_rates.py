@@ -188,11 +188,11 @@ def test_a_window_that_is_cleared_begins_again():
 
 def test_small_delays_are_in_microseconds():
     small, large = Statistics(1.2e-4, -3e-5, 3e-4, 5e-5, 9), Statistics(0.02, 1e-4, 0.03, 1e-3, 9)
-    assert DELAY.rows({"/a": small}) == [
+    assert DELAY.to_lines({"/a": small}) == [
         "average delay: 120 us",
         "\tmin: -30us max: 300us std dev: 50us window: 9",
     ]
-    assert DELAY.rows({"/a": large}) == [
+    assert DELAY.to_lines({"/a": large}) == [
         "average delay: 0.020",
         "\tmin: 0.000s max: 0.030s std dev: 0.00100s window: 9",
     ]

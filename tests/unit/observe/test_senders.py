@@ -8,7 +8,7 @@ import pytest
 from lcmtools.bus.kernel import own_pid_namespace
 from lcmtools.bus.processes import Process
 from lcmtools.bus.sockets import SocketTable, UdpSocket
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.observe.reading.senders import SenderNames, is_gone, is_here
 from lcmtools.observe.reports.describe import host_text
 from lcmtools.wire.packet import Sender
@@ -40,7 +40,7 @@ def test_other_computers_are_not_looked_up():
 
 def test_a_node_is_named_before_its_process():
     names = SenderNames(lambda: pytest.fail("looked up"))
-    names.update([LOCAL], [Node("/drive", "1", "here", 7, sender=LOCAL)])
+    names.update([LOCAL], [NodeInfo("/drive", "1", "here", 7, sender=LOCAL)])
     assert (names.name(LOCAL), names.name(None)) == ("/drive", "unknown sender")
 
 
@@ -53,7 +53,7 @@ def test_a_port_that_processes_share_names_none_of_them():
 
 
 def test_a_node_of_another_pid_namespace_is_not_here():
-    node = Node("/drive", "1", socket.gethostname(), os.getpid(), sender=LOCAL)
+    node = NodeInfo("/drive", "1", socket.gethostname(), os.getpid(), sender=LOCAL)
     here = own_pid_namespace()
     assert [is_here(node._replace(pid_namespace=n)) for n in (0, here, here + 1)] == [1, 1, 0]
     assert not is_gone(node._replace(pid=1 << 22, pid_namespace=here + 1))

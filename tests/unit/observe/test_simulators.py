@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness
 from lcmtools.observe.simulators import pause_text
 
 SECOND = 1_000_000_000
@@ -11,7 +11,9 @@ STEP = Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step_Request",))
 
 def _node(ticked, *ends):
     clock = Endpoint("/clock", Role.PUBLISHER, messages=3, last_time=round(ticked * SECOND))
-    return Node("/sim", "id", "host", 1, 50 * SECOND, endpoints=(clock, *ends), sent=100 * SECOND)
+    return NodeInfo(
+        "/sim", "id", "host", 1, 50 * SECOND, endpoints=(clock, *ends), sent=100 * SECOND
+    )
 
 
 @pytest.mark.parametrize(

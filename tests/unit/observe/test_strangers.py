@@ -11,7 +11,7 @@ from lcmtools.bus.sockets import SocketTable
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import NothingReceived
 from lcmtools.graph.builder import MOST_FLOWS
-from lcmtools.graph.model import Endpoint, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, Role, Traffic
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -32,7 +32,7 @@ from lcmtools.observe.reading.senders import SenderNames
 from lcmtools.observe.reports import describe
 from lcmtools.wire.packet import Packet, Sender
 
-_NODE = Node("/talker", "id", "h", 1)
+_NODE = NodeInfo("/talker", "id", "h", 1)
 
 
 class Bus:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Traffic
 from lcmtools.messages.registry import fingerprint
 from lcmtools.observe.reports.describe import type_text
 from lcmtools.types.geometry_msgs import Twist
@@ -34,6 +34,6 @@ _UNKNOWN = 1
 )
 def test_all_types_are_named(announced, sent, text):
     ends = (Endpoint("/a", Role.SUBSCRIBER, (announced,), (fingerprint(String),)),)
-    node = Node("/ear", "e", "h", 1, endpoints=ends if announced else ())
+    node = NodeInfo("/ear", "e", "h", 1, endpoints=ends if announced else ())
     traffic = (Traffic("/a", _PLAIN, tuple(sent), len(sent), 8, 0, 0),)
     assert type_text(Graph((node,), traffic).topic("/a")) == text

@@ -5,11 +5,11 @@ from contextlib import contextmanager
 import pytest
 
 from lcmtools.errors import LcmtoolsError
-from lcmtools.graph.model import Endpoint, Graph, Node, Role, Staleness
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role, Staleness
 from lcmtools.publish import simulator
 from lcmtools.types import sim_msgs, std_srvs
 
-LEADER = Node(
+LEADER = NodeInfo(
     "/sim",
     "1",
     "morse",
@@ -19,14 +19,14 @@ LEADER = Node(
         Endpoint("/sim/step", Role.SERVICE, ("sim_msgs/Step",)),
     ),
 )
-FOLLOWER = Node(
+FOLLOWER = NodeInfo(
     "/sim_husky2",
     "2",
     "morse",
     2,
     endpoints=(Endpoint("/sim_husky2/step", Role.SERVICE, ("sim_msgs/Step",)),),
 )
-PLAYER = Node("/player", "3", "morse", 3, endpoints=LEADER.endpoints[:1])  # bag play --clock
+PLAYER = NodeInfo("/player", "3", "morse", 3, endpoints=LEADER.endpoints[:1])  # bag play --clock
 LATE = LEADER._replace(stale=Staleness.HANGS, endpoints=())
 
 

@@ -4,14 +4,14 @@ import pytest
 from fixtures.says import raises_saying
 
 from lcmtools.errors import LcmtoolsError, UnknownType, UsageError
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.messages.registry import service_class
 from lcmtools.observe.reading.find import OfferedService
 from lcmtools.publish.calls import split_type
 
 
 def _offered(kind):
-    node = Node("/server", "1", "host", 1)
+    node = NodeInfo("/server", "1", "host", 1)
     return OfferedService("/it", ((node, Endpoint("/it", Role.SERVICE, (kind,) if kind else ())),))
 
 

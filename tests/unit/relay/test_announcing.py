@@ -1,7 +1,7 @@
 """Nodes of one bus as a relay announces them on the other one."""
 
 from lcmtools.graph.builder import MOST_NODES
-from lcmtools.graph.model import Node, RelayStep, Traffic
+from lcmtools.graph.model import NodeInfo, RelayStep, Traffic
 from lcmtools.graph.protocol import Announcement
 from lcmtools.messages.registry import fingerprint
 from lcmtools.relay.announcing import Announced
@@ -14,7 +14,7 @@ SECOND = 1_000_000_000
 def test_an_announcement_tells_how_long_it_was_kept():
     ways = (Direction(Rules(), back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
-    at_once = announced.convert(Announcement(Node("/far", "f", "robot", 7)), 9, SECOND)
+    at_once = announced.convert(Announcement(NodeInfo("/far", "f", "robot", 7)), 9, SECOND)
     assert at_once.node.path == (RelayStep("r", "/relay", "0"),)
     (later,) = announced.recent(3 * SECOND)
     assert later.node.path == (RelayStep("r", "/relay", "0", kept=2 * SECOND),)
@@ -25,9 +25,9 @@ def test_a_stranger_who_makes_nodes_up_fills_no_memory():
     ways = (Direction(Rules(), back=back) for back in (False, True))
     announced = Announced(RelayStep("r", "/relay", "0"), *ways, one_way=False)
     for number in range(5000):
-        announced.convert(Announcement(Node("/far", str(number), "ada", 7)), 9, SECOND)
+        announced.convert(Announcement(NodeInfo("/far", str(number), "ada", 7)), 9, SECOND)
     assert len(announced.recent(SECOND)) <= MOST_NODES
-    announced.convert(Announcement(Node("/far", "large", "ada", 7)), 100 << 20, 2 * SECOND)
+    announced.convert(Announcement(NodeInfo("/far", "large", "ada", 7)), 100 << 20, 2 * SECOND)
     assert [one.node.id for one in announced.recent(2 * SECOND)] == ["large"]
 
 
@@ -40,6 +40,6 @@ def test_what_a_relay_has_observed_gets_its_names_on_the_next_bus():
         Traffic(channel, None, numbers, 1, 8, 1, 1)
         for channel, numbers in (("/odom", ()), ("/secret", ()), ("/speed", (twist,)))
     )
-    node = Node("/far", "f", "ada", 7, observed=observed)
+    node = NodeInfo("/far", "f", "ada", 7, observed=observed)
     passed = announced.convert(Announcement(node), 9, SECOND)
     assert [seen.channel for seen in passed.node.observed] == ["/robot7/odom"]

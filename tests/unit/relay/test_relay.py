@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from lcmtools.bus.url import parse_url
-from lcmtools.graph.model import Node
+from lcmtools.graph.model import NodeInfo
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -25,7 +25,7 @@ def test_a_flood_of_probes_gets_few_answers_and_the_last_one_is_answered(monkeyp
     tested = relay.Relay(urls, Rules(), lambda _: None, name="/relay")
     tested._carries = True
     for number in range(100):
-        payload = encode_announcement(Announcement(Node(f"/n{number}", str(number), "ada", 7)))
+        payload = encode_announcement(Announcement(NodeInfo(f"/n{number}", str(number), "ada", 7)))
         tested._hear(0, Packet(NODE_CHANNEL, payload, 0))
     told, clock = [], SimpleNamespace(now=100.0, worked=0.0)
 

@@ -4,7 +4,7 @@ import time
 from types import SimpleNamespace
 
 from lcmtools.bounded import MOST_ENTRIES
-from lcmtools.graph.model import Endpoint, Node, Role, Traffic
+from lcmtools.graph.model import Endpoint, NodeInfo, Role, Traffic
 from lcmtools.graph.protocol import MOST_OBSERVED, NODE_CHANNEL, Announcement, encode_announcement
 from lcmtools.relay.rules import Direction, Rules
 from lcmtools.relay.side import Side
@@ -26,7 +26,7 @@ def _hear(side, *packets, age=1_000_000_000):
 
 def test_the_other_bus_is_told_what_plain_programs_send_and_what_of_it_passes():
     side = _side("robot7")
-    node = Node("/driver", "id", "ada", 3)
+    node = NodeInfo("/driver", "id", "ada", 3)
     announced = Packet(NODE_CHANNEL, encode_announcement(Announcement(node)), time.time_ns(), _NODE)
     side.add_announcement(announced)
     _hear(side, ("/odom", _PLAIN), ("/odom", _PLAIN), ("/of_node", _NODE), ("/cmd_vel", _PLAIN))
@@ -53,7 +53,7 @@ def test_a_server_that_tells_no_senders_is_told_of_by_channel():
 def test_what_another_relay_tells_of_is_passed_with_it_and_not_repeated():
     side = _side()
     seen = Traffic("/odom", Sender("ada", 1), (), 1, 8, 1, 1, bus="far")
-    relay = Announcement(Node("/relay", "id", "ada", 3, observed=(seen,)))
+    relay = Announcement(NodeInfo("/relay", "id", "ada", 3, observed=(seen,)))
     side.add_announcement(Packet(NODE_CHANNEL, encode_announcement(relay), time.time_ns()))
     _hear(side, ("/odom", None), ("/more", None))
     assert [told.channel for told in side.observed()] == ["/more"]
@@ -79,7 +79,7 @@ def test_a_stranger_who_makes_senders_up_or_sends_images_fills_no_memory():
 def test_state_is_kept_however_many_channels_come():
     side = _side()
     latched = Endpoint("/map", Role.PUBLISHER, latched=True)
-    node = Announcement(Node("/driver", "id", "ada", 3, endpoints=(latched,)))
+    node = Announcement(NodeInfo("/driver", "id", "ada", 3, endpoints=(latched,)))
     announced = encode_announcement(node)
     side.add_announcement(Packet(NODE_CHANNEL, announced, time.time_ns(), _NODE))
     _hear(side, ("/map", _NODE), age=0)
@@ -94,7 +94,7 @@ def test_state_is_kept_however_many_channels_come():
 def test_what_was_held_up_before_it_came_is_dropped_unless_it_is_state():
     side, other = _side(), _side()
     latched = Endpoint("/map", Role.PUBLISHER, latched=True)
-    node = Announcement(Node("/driver", "id", "ada", 3, endpoints=(latched,)))
+    node = Announcement(NodeInfo("/driver", "id", "ada", 3, endpoints=(latched,)))
     now = time.time_ns()
     side.add_announcement(Packet(NODE_CHANNEL, encode_announcement(node), now, _NODE))
     old = [Packet(channel, bytes(8), now - 1_100_000_000, _NODE) for channel in ("/map", "/odom")]

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import pytest
 from fixtures.fake_bus import FakeBus
 
-from lcmtools.graph.model import Endpoint, Graph, Role
-from lcmtools.graph.model import Node as GraphNode
+from lcmtools.graph.model import Endpoint, Graph, NodeInfo, Role
 from lcmtools.messages.codec import decode, encode
 from lcmtools.messages.registry import Message
 from lcmtools.types.geometry_msgs import Twist
@@ -84,7 +83,7 @@ class FakeNode:
     def graph(self):
         """One topic's publishers, by their names."""
         wheels = Endpoint("/husky0/wheel_cmd", Role.PUBLISHER)
-        nodes = (GraphNode(name, name, "here", 1, endpoints=(wheels,)) for name in self.publishing)
+        nodes = (NodeInfo(name, name, "here", 1, endpoints=(wheels,)) for name in self.publishing)
         return Graph(tuple(nodes))
 
     def subscribed_topics(self):

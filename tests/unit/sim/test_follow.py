@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lcmtools.graph.model import Graph, Node
+from lcmtools.graph.model import Graph, NodeInfo
 from lcmtools.types.std_msgs import Header
 from lcmtools_sim import follow
 
@@ -15,7 +15,7 @@ NOBODY = 1 << 22
 
 
 def runs_as(pid):
-    return Node("/other", id=str(pid), host=socket.gethostname(), pid=pid)
+    return NodeInfo("/other", id=str(pid), host=socket.gethostname(), pid=pid)
 
 
 class Leading:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lcmtools.graph.builder import GraphBuilder
-from lcmtools.graph.model import Endpoint, Node, Role
+from lcmtools.graph.model import Endpoint, NodeInfo, Role
 from lcmtools.graph.protocol import (
     NODE_CHANNEL,
     PROBE_CHANNEL,
@@ -20,7 +20,7 @@ from lcmtools.wire.reader import Reader
 from lcmtools.wire.reassembly import INCOMPLETE
 
 SENDER = Sender("10.0.0.1", 5000)
-NODE = Node("/talker", "1", "here", 7, endpoints=(Endpoint("/chatter", Role.PUBLISHER),))
+NODE = NodeInfo("/talker", "1", "here", 7, endpoints=(Endpoint("/chatter", Role.PUBLISHER),))
 SEEDS = [
     short_message(0, NODE_CHANNEL, encode_announcement(Announcement(NODE))),
     short_message(1, PROBE_CHANNEL, encode_probe(Probe("/talker", 5))),
