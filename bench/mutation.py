@@ -170,17 +170,21 @@ def pytest_runtest_protocol(item: Any) -> None:  # noqa: ANN401 - pytest's
 
 
 def pytest_runtest_logreport(report: Any) -> None:  # noqa: ANN401
-    """Add up how long each test takes."""
+    """Add up how long each test takes; one that fails as it is tells nothing of a change."""
     _SECONDS[report.nodeid] = _SECONDS.get(report.nodeid, 0.0) + report.duration
+    if report.failed:
+        _FAILED.add(report.nodeid)
 
 
 def pytest_sessionfinish() -> None:
     """Keep the durations."""
     if os.environ.get("MUTATION") == "record":
-        SECONDS.write_text(json.dumps(_SECONDS))
+        kept = {test: seconds for test, seconds in _SECONDS.items() if test not in _FAILED}
+        SECONDS.write_text(json.dumps(kept))
 
 
 _SECONDS: dict[str, float] = {}
+_FAILED: set[str] = set()
 
 
 class Recorded:
