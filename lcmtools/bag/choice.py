@@ -36,7 +36,6 @@ class RecordedTopics:
         self._nodes = {node: Pattern(node, names.namespace, hidden=True) for node in nodes}
         self._of_nodes: set[str] = set()
         self._cache = BoundedDict[str, bool](MOST_FLOWS)
-        self._heard: set[str] = set()  # of the named topics' channels
         self.named = () if nodes or any(map(has_wildcard, topics)) else tuple(topics)
         """The topics, if all are named individually; empty if there may be any number."""
 
@@ -58,8 +57,6 @@ class RecordedTopics:
         known = self._cache.use(channel)
         if known is None:
             known = self._cache[channel] = self._is_wanted(channel)
-            if known and self.named:
-                self._heard.add(channel)
         return known
 
     def silent(self, graph: Graph) -> list[str]:
@@ -73,7 +70,7 @@ class RecordedTopics:
         ] + [
             f"no message on {name} yet; {near_topic(known, name, self._names)}"
             for name, channels in spellings.items()
-            if not self._heard.intersection(channels) and not set(channels).intersection(known)
+            if not set(channels).intersection(known)
         ]
 
     def spelled(self, name: str, channel: str) -> bool:
