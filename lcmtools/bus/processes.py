@@ -9,7 +9,7 @@ import mmap
 import os
 import socket
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -140,12 +140,25 @@ def process_of(pid: int) -> Process | None:
     """
     try:
         fields = _status(pid)
-        command = (PROC / str(pid) / "cmdline").read_bytes().replace(b"\0", b" ").strip()
+        words = (PROC / str(pid) / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     except OSError:  # it has ended, or /proc hides it (hidepid, another namespace)
         return Process(pid) if _takes_signals(pid) else None
     if fields[0] in ("Z", "X"):
         return None
-    return Process(pid, command.decode("utf-8", "replace"), int(fields[19]))
+    return Process(pid, command_text(words), int(fields[19]))
+
+
+def command_text(words: Iterable[str]) -> str:
+    """Return a command line as a text.
+
+    A path with blanks would look like several words: only the name of its file is left.
+    """
+    return " ".join(map(_shown, words)).strip()
+
+
+def _shown(word: str) -> str:
+    is_path = " " in word and word.startswith(("/", "./", "../"))
+    return word.rpartition("/")[2] if is_path else word
 
 
 def running() -> Iterator[Process]:

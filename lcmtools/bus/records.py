@@ -16,7 +16,7 @@ from collections.abc import Container, Iterator, Mapping
 from pathlib import Path
 
 from lcmtools.bus.kernel import network_cookie, own_network, own_pid_namespace
-from lcmtools.bus.processes import process_of
+from lcmtools.bus.processes import command_text, process_of
 from lcmtools.bus.url import BusUrl
 from lcmtools.graph.model import NodeInfo, Role, Staleness
 from lcmtools.graph.protocol import SOFTWARE
@@ -117,7 +117,7 @@ def this_process(name: str, *, tool: bool) -> NodeInfo:
         host=socket.gethostname(),
         pid=os.getpid(),
         start_time=time.time_ns(),
-        command=" ".join(sys.argv),
+        command=command_text(sys.argv),
         tool=tool,
         software=SOFTWARE,
         pid_namespace=own_pid_namespace(),

@@ -62,8 +62,8 @@ def spin_until(node, done):
 
 
 def wait_for_start(process):
-    """The line that it says when it is on the bus."""
-    return process.stderr.readline()
+    """The line that it says when it is on the bus; a warning of a missing route may come before."""
+    return next(line for line in process.stderr if "simulating" in line)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

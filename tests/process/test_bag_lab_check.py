@@ -2,6 +2,7 @@
 
 import json
 import math
+import shlex
 import sys
 from pathlib import Path
 
@@ -57,7 +58,7 @@ def _short(log):
     ],
 )
 def test_a_controller_is_judged_by_its_answers_to_a_drive(fault, failed, says, check):
-    command = f"{sys.executable} {_CONTROLLER} {fault}"
+    command = shlex.join([sys.executable, str(_CONTROLLER), fault])
     code, found, record = check("husky", _short, "--controller", command)
     assert (code, list(found)) == (bool(failed), failed), record
     assert_says(next(iter(found.values()), ""), says)
@@ -114,7 +115,7 @@ def test_a_class_is_judged_by_one_drive(check, tmp_path):
 
 
 def test_a_drive_of_something_else_is_refused_and_what_it_lacks_is_said(check, cli, tmp_path):
-    command = f"{sys.executable} {_CONTROLLER} none"
+    command = shlex.join([sys.executable, str(_CONTROLLER), "none"])
     code, failed, record = check(
         "husky", lambda log: husky(log, 1.0, [(0.5, 0, 2)]), "--controller", command
     )

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from lcmtools.bus import processes, sockets
-from lcmtools.bus.processes import Process, process_of
+from lcmtools.bus.processes import Process, command_text, process_of
 from lcmtools.bus.sockets import SocketTable, UdpSocket
 from lcmtools.wire.packet import Sender
 
@@ -73,6 +73,18 @@ def test_a_process_with_a_strange_name_is_read(name):
         assert found.start_ticks >= own.start_ticks
         assert found.innermost_pid[1] == child.pid
         assert found.usage() is not None
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["/usr/bin/python3", "driver.py", ""], "/usr/bin/python3 driver.py"),
+        (["/home/my robot/.venv/bin/python3", "./my robot/driver.py"], "python3 driver.py"),
+        (["lcmtools", "pub", "/a", "{data: /b c}"], "lcmtools pub /a {data: /b c}"),
+    ],
+)
+def test_a_program_in_a_folder_with_blanks_has_its_name(words, text):
+    assert command_text(words) == text
 
 
 def test_nothing_runs_under_an_impossible_pid():
