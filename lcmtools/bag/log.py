@@ -9,7 +9,6 @@ with lcmtools.bag.open("ride.lcmlog") as log:
 import sys
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from lcmtools.bag.columns import table, with_times
 from lcmtools.bag.summary import LogSummary, TopicSummary, known_nodes, summarize
 from lcmtools.bag.times import time_of, time_window
 from lcmtools.errors import DecodeError, LcmtoolsError
+from lcmtools.forks import cached_property
 from lcmtools.messages.supply import has_supply
 from lcmtools.names import did_you_mean
 from lcmtools.observe.reading.decoding import Decoder

@@ -9,7 +9,6 @@ from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +20,7 @@ from lcmtools.bag.summary import histogram, span_of
 from lcmtools.bag.summary_report import span_text
 from lcmtools.clock import CLOCK_TOPIC, NANOSECONDS
 from lcmtools.errors import LcmtoolsError
+from lcmtools.forks import cached_property
 from lcmtools.graph.builder import GraphBuilder
 from lcmtools.graph.protocol import NODE_CHANNEL
 from lcmtools.names import (

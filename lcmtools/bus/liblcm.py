@@ -36,6 +36,7 @@ from lcmtools.bus.network_watch import member, network_watch
 from lcmtools.bus.preflight import check_bus
 from lcmtools.bus.url import BusUrl
 from lcmtools.errors import BusError, MissingExtra
+from lcmtools.forks import free_in_child
 from lcmtools.names import check_channel
 
 try:
@@ -55,6 +56,7 @@ _LATE = 1.0  # [s] that a server may leave sent data unacknowledged
 _NOTES = (b"LCM tcpq:", b"lcm_tcpq ", b"_recv_fully:", b"_send_fully:")
 _PIPE_BYTES = 1 << 16
 _redirecting = threading.Lock()  # standard error is the process's
+free_in_child(_redirecting)
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before attempts to reconnect
 
 

@@ -10,11 +10,11 @@ import os
 import socket
 import time
 from collections.abc import Iterable, Iterator, Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
 from lcmtools.bus.kernel import computer_id
+from lcmtools.forks import cached_property
 
 PROC = Path("/proc")
 _LCM_MARK = b"LCM_SELF_TEST"  # is in programs that are statically linked with liblcm

@@ -11,7 +11,7 @@ import struct
 import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping
-from functools import cache, cached_property
+from functools import cache
 from ipaddress import IPv4Address
 from types import MappingProxyType
 from typing import NamedTuple
@@ -19,6 +19,7 @@ from typing import NamedTuple
 from lcmtools.bus.kernel import OWN_MARKS
 from lcmtools.bus.processes import PROC, Process, is_local, open_files, process_of
 from lcmtools.bus.url import BusUrl
+from lcmtools.forks import cached_property
 from lcmtools.wire.packet import Sender
 
 _TABLES = (PROC / "net" / "udp", PROC / "net" / "udp6")  # Java's sockets are in the second

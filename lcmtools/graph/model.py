@@ -2,9 +2,9 @@
 
 from collections import defaultdict
 from enum import Enum, IntEnum
-from functools import cached_property
 from typing import NamedTuple
 
+from lcmtools.forks import cached_property
 from lcmtools.names import SELF_TEST_CHANNEL, base_name_of, is_hidden
 from lcmtools.wire.packet import Sender
 

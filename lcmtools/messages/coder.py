@@ -15,9 +15,10 @@ See ``reading`` for the other way.
 
 import struct
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache, cached_property
+from functools import cache
 from typing import TypeAlias
 
+from lcmtools.forks import cached_property
 from lcmtools.messages.array_codec import (
     FORMATS,
     IS_LITTLE,

@@ -20,6 +20,7 @@ from types import ModuleType
 from typing import BinaryIO, cast
 
 from lcmtools.errors import InvalidFile, UnknownType
+from lcmtools.forks import free_in_child
 from lcmtools.message_value import MessageValue
 from lcmtools.messages import codec
 from lcmtools.messages.array_codec import Cursor
@@ -35,6 +36,7 @@ from lcmtools.packages.type_set import UsableType
 
 _FINGERPRINT_BYTES = 8
 _ONE_AT_A_TIME = RLock()
+free_in_child(_ONE_AT_A_TIME)
 _ZEROS = {"string": "", "boolean": False, "float": 0.0, "double": 0.0}
 
 Default = Callable[[], object]

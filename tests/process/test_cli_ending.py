@@ -1,6 +1,7 @@
 """The end of commands and nodes: by signals, by a reader who has had enough, by a full disk."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -299,7 +300,9 @@ def test_data_goes_to_standard_output_and_talk_to_standard_error(cli, bus_url):
 def test_a_deleted_working_directory_is_told_with_a_remedy(shell, tmp_path):
     result = shell(f"mkdir {tmp_path}/a; cd {tmp_path}/a; rmdir {tmp_path}/a; lcmtools run talker")
     told = "lcmtools run: the working directory has been deleted; go to another one: cd\n"
-    assert (result.returncode, result.stderr) == (1, told)
+    assert result.returncode == 1
+    # a path with blanks is started by a shell, which complains first
+    assert re.sub(r"sh: .*getcwd.*\n", "", result.stderr) == told
 
 
 def test_an_lcm_package_without_its_library_is_told_with_a_remedy(lcmtools_process, tmp_path):

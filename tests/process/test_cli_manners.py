@@ -143,7 +143,8 @@ def home(robot, tmp_path, lcmtools_path, module_bus_url, monkeypatch):
         "PATH": f"{Path(lcmtools_path).parent}:{os.environ['PATH']}",
         "HOME": str(home),
         "LCM_DEFAULT_URL": module_bus_url,
-        "LC_ALL": "C",
+        # Python 3.11 cannot read an editable install in such a folder in the locale C
+        "LC_ALL": "C" if __file__.isascii() else "C.UTF-8",
         "COLUMNS": "40",
         "TERM": "xterm-256color",
     }.items():

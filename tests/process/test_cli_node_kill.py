@@ -145,7 +145,7 @@ def test_a_program_that_is_no_node_is_left_alone(start, cli, lcm_program):
     for word in ("lcm-source", str(source.pid)):
         result = cli("node", "kill", word)
         assert (result.code, result.out) == (1, "")
-        program = f"{lcm_program('lcm-source')} -m EXAMPLE (pid {source.pid})"
+        program = f"lcm-source -m EXAMPLE (pid {source.pid})"
         parts = (program, "not a node", f"; type: kill {source.pid}\n")
         assert_line(result.err, "lcmtools node kill: ", *parts)
         answer = cli("node", "ping", word)

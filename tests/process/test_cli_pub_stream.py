@@ -1,6 +1,7 @@
 """pub from files and from standard input, as it comes."""
 
 import os
+import shlex
 import subprocess
 from contextlib import suppress
 from itertools import count
@@ -101,11 +102,9 @@ def test_each_message_is_sent_as_soon_as_it_is_whole(topic, feed):
 
 def test_echo_and_pub_are_a_live_relay(topic, start, cli, receiver, lcmtools_path):
     relayed = receiver.subscribe("/relayed")
-    relay = start(
-        "sh",
-        "-c",
-        f"{lcmtools_path} echo --json {topic} | {lcmtools_path} pub -v -w 0 /relayed {STRING} -",
-    )
+    path = shlex.quote(lcmtools_path)
+    line = f"{path} echo --json {topic} | {path} pub -v -w 0 /relayed {STRING} -"
+    relay = start("sh", "-c", line)
     for text in ("first", "second"):
         assert cli("pub", "-1", "-w", "1", topic, STRING, text).code == 0
         relay.wait_for(text)

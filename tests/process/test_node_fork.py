@@ -106,3 +106,45 @@ def test_a_forked_process_is_told_that_the_nodes_are_its_parents(start_python, f
     told = [line for line in program.lines if "the bus belongs to the parent process" in line]
     assert len(told) == 11
     assert not any("[ERROR]" in line for line in program.lines)
+
+
+# a thread is in the middle of a computation and of its lock when the process forks
+_BUSY = """
+import os, signal, threading
+from lcmtools.forks import cached_property, free_in_child
+
+class Type:
+    def __init__(self, is_slow):
+        self.is_slow = is_slow
+
+    @cached_property
+    def coder(self):
+        if self.is_slow:
+            computing.set()
+            forked.wait()
+        return 7
+
+def hold():
+    with lock:
+        held.set()
+        computing.wait()
+
+computing, forked, held, lock = (*(threading.Event() for _ in range(3)), threading.RLock())
+free_in_child(lock)
+holder, slow = threading.Thread(target=hold), threading.Thread(target=lambda: Type(True).coder)
+holder.start()
+held.wait()
+slow.start()
+child = os.fork()
+if not child:
+    signal.alarm(20)
+    with lock:
+        os._exit(Type(False).coder)
+forked.set()
+slow.join()
+print("the child ended with", os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+def test_a_child_does_not_wait_for_a_thread_of_its_parent(start_python):
+    start_python(_BUSY).wait_for("the child ended with 7")

@@ -2,13 +2,13 @@
 
 import os
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from lcmtools.cli.completion import Source
 from lcmtools.errors import LcmtoolsError
+from lcmtools.forks import cached_property
 
 if TYPE_CHECKING:  # imported only to observe the bus
     from lcmtools.bus.url import BusUrl

@@ -6,11 +6,11 @@ robot); ``placed`` moves a group, ``joined`` makes one of several.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
+from lcmtools.forks import cached_property
 from lcmtools_sim.geometry import Quaternion, Vector, axes
 from lcmtools_sim.shapes import Color, Cuboid, Cylinder, Line, Part, Shape, Sphere
 
