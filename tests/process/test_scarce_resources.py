@@ -4,6 +4,7 @@ import errno
 import os
 import shlex
 import subprocess
+import sys
 
 import pytest
 
@@ -42,8 +43,8 @@ def test_the_cause_of_an_error_counts(capsys):
 
 
 @pytest.mark.parametrize("descriptors", [6, 8, 10])
-def test_a_window_with_few_descriptors_says_so(descriptors, bus_url, lcmtools_path):
-    window = f"{shlex.quote(lcmtools_path)} gui all --no-open --port 0"
+def test_a_window_with_few_descriptors_says_so(descriptors, bus_url):
+    window = f"{shlex.quote(sys.executable)} -m lcmtools gui all --no-open --port 0"
     result = subprocess.run(
         ["/bin/sh", "-c", f"ulimit -n {descriptors}; exec timeout --signal INT 4 {window}"],
         env={**os.environ, "LCM_DEFAULT_URL": bus_url},
