@@ -220,6 +220,8 @@ for turn in range(2):
             os._exit(0)
         children[pid] = path
     while not all(Path(path + ".index").exists() for path in children.values()):
+        if os.waitpid(-1, os.WNOHANG)[0]:
+            sys.exit("a recorder ended by itself")
         time.sleep(0.01)
     bus, count = lcm.LCM(url), 0
     for pid in random.sample(list(children), 20):
