@@ -424,6 +424,18 @@ def test_a_node_receives_from_a_plain_channel(world):
     world.is_silent()
 
 
+def test_a_node_subscribes_to_a_topic_and_not_to_a_plain_channel(world):
+    _sends("bus.publish('/pose', String().encode())")(world)
+    line = _ear("None").replace("'/chatter'", "'pose'")
+    program = world.script(_NODE.replace("LINE", f"{line[:-1]}, plain_channel=True)"))
+    world.until(lambda: program.pid in world.pids())
+    assert world.finds("unconnected-subscriptions", "pose").kinds == ["subscribe"]
+    world.end(program)
+    program = world.script(_NODE.replace("LINE", line.replace("'pose'", "'/pose'")))
+    world.until(lambda: program.pid in world.pids())
+    world.is_silent()
+
+
 ELSEWHERE = {  # the tests that do them
     "allow-command": "test_a_command_that_a_relay_does_not_let_pass",
     "carry-less": "test_a_relay_that_drops_what_its_line_does_not_take",
@@ -458,6 +470,7 @@ ELSEWHERE = {  # the tests that do them
     "start-server": "test_a_service_that_no_node_offers",
     "smaller-messages": "test_datagrams_whose_pieces_do_not_all_come",
     "start-it-with-variable": "test_a_message_that_no_usual_buffer_takes",
+    "subscribe": "test_a_node_subscribes_to_a_topic_and_not_to_a_plain_channel",
     "start-publisher": "test_a_topic_that_nothing_publishes",
     "start-with-variable": "test_a_program_of_the_other_provider",
     "sysctl": "test_a_strict_filter_of_routes",
