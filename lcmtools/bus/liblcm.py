@@ -55,7 +55,7 @@ _SELECT_LIMIT = 1024
 _LATE = 1.0  # [s] that a server may leave sent data unacknowledged
 _NOTES = (b"LCM tcpq:", b"lcm_tcpq ", b"_recv_fully:", b"_send_fully:")
 _PIPE_BYTES = 1 << 16
-_redirecting = threading.Lock()  # standard error is the process's
+_redirecting = threading.RLock()  # standard error is the process's; a signal handler may fork
 free_in_child(_redirecting)
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 2.0  # [s] before attempts to reconnect
 

@@ -46,7 +46,7 @@ def tree(*, wait: float | None, as_json: bool) -> None:
         links = [place.link for places in trees.values() for place in places if place.link]
         names.update([link.sender for link in links], monitor.graph().nodes)
         records = [
-            _record(name, place, now, names) for name, places in trees.items() for place in places
+            _to_json(name, place, now, names) for name, places in trees.items() for place in places
         ]
         notify_damage(monitor)
     rows = [_row(one) for one in records]
@@ -55,7 +55,7 @@ def tree(*, wait: float | None, as_json: bool) -> None:
     write_result(records, text_table([*head, *rows]), as_json=as_json, none=none)
 
 
-def _record(tree_: str, place: Place, now: int, names: SenderNames) -> dict[str, object]:
+def _to_json(tree_: str, place: Place, now: int, names: SenderNames) -> dict[str, object]:
     link = place.link
     faults = [f"also in {one}" for one in link.others] if link else []
     faults += ["in a loop"] if place.is_looped else []

@@ -411,28 +411,26 @@ def test_a_slash_that_keeps_a_remap_from_being_applied_is_removed(world):
     world.is_silent()
 
 
-def test_a_node_receives_from_a_plain_channel(world):
-    _sends("bus.publish('POSE', String().encode())")(world)
-    line = _ear("None").replace("'/chatter'", "'POSE'")
-    program = world.script(_NODE.replace("LINE", line))
-    world.until(lambda: program.pid in world.pids())
-    found = world.finds("unconnected-subscriptions", "POSE")
-    assert found.kinds == ["plain-channel"]
-    world.end(program)
-    program = world.script(_NODE.replace("LINE", f"{line[:-1]}, plain_channel=True)"))
-    world.until(lambda: program.pid in world.pids())
-    world.is_silent()
+@pytest.mark.parametrize(
+    ("channel", "wrong", "kind", "right"),
+    [
+        ("POSE", "'POSE', {}, 10", "plain-channel", "'POSE', {}, 10, plain_channel=True"),
+        ("/pose", "'pose', {}, 10, plain_channel=True", "subscribe", "'/pose', {}, 10"),
+    ],
+)
+def test_a_node_receives_from_a_plain_channel_or_a_topic(world, channel, wrong, kind, right):
+    _sends(f"bus.publish('{channel}', String().encode())")(world)
 
+    def starts(arguments):
+        line = f"node.create_subscription(String, {arguments.format('lambda _: None')})"
+        program = world.script(_NODE.replace("LINE", line))
+        world.until(lambda: program.pid in world.pids())
+        return program
 
-def test_a_node_subscribes_to_a_topic_and_not_to_a_plain_channel(world):
-    _sends("bus.publish('/pose', String().encode())")(world)
-    line = _ear("None").replace("'/chatter'", "'pose'")
-    program = world.script(_NODE.replace("LINE", f"{line[:-1]}, plain_channel=True)"))
-    world.until(lambda: program.pid in world.pids())
-    assert world.finds("unconnected-subscriptions", "pose").kinds == ["subscribe"]
+    program = starts(wrong)
+    assert world.finds("unconnected-subscriptions", channel.strip("/")).kinds == [kind]
     world.end(program)
-    program = world.script(_NODE.replace("LINE", line.replace("'pose'", "'/pose'")))
-    world.until(lambda: program.pid in world.pids())
+    starts(right)
     world.is_silent()
 
 
@@ -452,7 +450,7 @@ ELSEWHERE = {  # the tests that do them
     "microseconds": "test_a_utime_is_sent_in_microseconds",
     "mend-line": "test_a_relay_whose_server_has_ended",
     "name-here": "test_a_bus_in_the_code_is_left_out",
-    "plain-channel": "test_a_node_receives_from_a_plain_channel",
+    "plain-channel": "test_a_node_receives_from_a_plain_channel_or_a_topic",
     "publish-less": "test_wtf_names_a_line_that_a_node_fills_on_both_sides",
     "publish-smaller": "test_wtf_names_a_line_that_a_node_fills_on_both_sides",
     "own-domain": "test_another_user_on_the_same_bus",
@@ -470,7 +468,7 @@ ELSEWHERE = {  # the tests that do them
     "start-server": "test_a_service_that_no_node_offers",
     "smaller-messages": "test_datagrams_whose_pieces_do_not_all_come",
     "start-it-with-variable": "test_a_message_that_no_usual_buffer_takes",
-    "subscribe": "test_a_node_subscribes_to_a_topic_and_not_to_a_plain_channel",
+    "subscribe": "test_a_node_receives_from_a_plain_channel_or_a_topic",
     "start-publisher": "test_a_topic_that_nothing_publishes",
     "start-with-variable": "test_a_program_of_the_other_provider",
     "sysctl": "test_a_strict_filter_of_routes",

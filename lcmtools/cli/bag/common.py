@@ -85,7 +85,7 @@ def summary_of(file: str) -> LogSummary:
 
 
 def told_summary_of(file: str) -> LogSummary:
-    """Return the same, and write a note if bytes of the log belong to no message."""
+    """Return the summary of a log, and write a note if bytes of it belong to no message."""
     summary = summary_of(file)
     if damage := lost_bytes_text(file, summary.damaged):
         notify(damage)

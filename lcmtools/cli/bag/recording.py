@@ -68,12 +68,12 @@ def recording(recorder: BagRecorder, series: LogSeries, *, as_json: bool) -> Ite
     finally:
         if recorder.has_ended and as_json:
             with results_beside(series.paths[-1] if series.paths else None):
-                write_document(_record(recorder.progress(), series))
+                write_document(_to_json(recorder.progress(), series))
         elif recorder.has_ended and not isinstance(sys.exc_info()[1], LcmtoolsError):
             notify(summary(recorder.progress(), series))
 
 
-def _record(progress: Progress, series: LogSeries) -> dict[str, object]:
+def _to_json(progress: Progress, series: LogSeries) -> dict[str, object]:
     return {
         "files": [*map(str, series.paths)],
         "messages": progress.messages,

@@ -40,7 +40,7 @@ def command(nodes: tuple[str, ...], *, quiet: bool, show_hidden: bool, as_json: 
     known = ParameterClient(monitor.url, _TIMEOUT).get_all(able)[0]
     now = graph.time if monitor.is_log else time.time_ns()
     if as_json:
-        write_document([_record(one, graph, known, now) for one in found])
+        write_document([_to_json(one, graph, known, now) for one in found])
         return
     for one in found:
         if isinstance(one, Program):
@@ -78,7 +78,7 @@ def _parameters(node: NodeInfo, known: Answers) -> list[str]:
     return ["Parameters: ", *block(known[node.name], " * ")]
 
 
-def _record(one: NodeInfo | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
+def _to_json(one: NodeInfo | Program, graph: Graph, known: Answers, now: int) -> dict[str, object]:
     if isinstance(one, Program):
         return program_report.to_json(one)
     parameters = known.get(one.name)

@@ -8,6 +8,7 @@ import math
 import re
 import signal
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from lcmtools.doctor.connecting import renaming
 from lcmtools.doctor.renaming import resembles
@@ -23,7 +24,7 @@ from lcmtools.labs.checks.observations import (
 )
 from lcmtools.labs.checks.results import Cause, CheckResult
 from lcmtools.messages.registry import Message
-from lcmtools.names import namespace_of
+from lcmtools.names import base_name_of, namespace_of
 from lcmtools.packages.runnable_nodes import in_place_of_ros
 from lcmtools.types.geometry_msgs import Twist
 
@@ -68,7 +69,8 @@ _RENAMINGS = {
     "namespace": "start it with __ns:={namespace}",
     "remap": "change the name in it, or start it with {old}:={new}",
     "remove-slash": "it begins with /, so __ns:={namespace} does not apply: write '{name}'",
-    "remove-slash-of-remap": "it begins with /, so {argument} does not apply: write '{name}'",
+    "remove-slash-of-remap": "it begins with /, so neither __ns:={namespace} nor {argument}"
+    " applies: write '{name}'",
     "replace-remap": "start it with {old}:={new} in place of {argument}",
     "republish": "let it publish on '{topic}'",
     "subscribe": "let it subscribe to {channel}",
@@ -271,7 +273,10 @@ def _renaming(look: BusLook, program: LabProgram, old: str, new: str, *, publish
     here = namespace_of(node.name)
     is_misplaced = here == namespace_of(old) and f"__ns:={namespace_of(new)}" in program.arguments
     remedy = renaming(node, old, new, publishes=publishes, is_misplaced=is_misplaced)
-    return remedy_text(remedy.worded(_RENAMINGS))
+    parts = {"namespace": here, **remedy.parts}
+    if "new" in parts and here == namespace_of(old) == namespace_of(new):
+        parts["new"] = base_name_of(new)
+    return remedy_text(replace(remedy.worded(_RENAMINGS), parts=parts))
 
 
 def misplaced(twist: Twist) -> Cause | None:

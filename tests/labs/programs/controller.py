@@ -1,8 +1,8 @@
 # lab check husky --controller
 # expects: raised | commands the robot | AttributeError
-# expects: topic | commands the robot | start it with velocity_comand:=/husky0/velocity_cmd
+# expects: topic | commands the robot | start it with velocity_comand:=velocity_cmd
 # expects: subscription | commands the robot | /odometry, and not to /husky0/odometry: it begins with
-# expects: slash-remap | commands the robot | so controlled_velocity:=velocity_cmd does not apply
+# expects: slash-remap | commands the robot | __ns:=/husky0 nor controlled_velocity:=velocity_cmd
 # expects: slash-input | drive at 0.1 m/s | does not apply: write 'desired_velocity'
 # expects: publish | commands the robot | publish() is never called
 # expects: spin | commands the robot | does it call spin(node)

@@ -136,7 +136,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file():
         (
             {"look": replace(WELL, publications=[Wire("/husky0/velocty_cmd", OUTPUT.type)])},
             "topic",
-            "start it with velocty_cmd:=/husky0/velocity_cmd",
+            "start it with velocty_cmd:=velocity_cmd",
         ),
         (
             {"look": replace(WELL, publications=[replace(OUTPUT, type="std_msgs/String")])},
@@ -151,7 +151,7 @@ def test_a_traceback_is_one_line_with_the_place_in_the_student_s_own_file():
         (
             {"look": replace(WELL, publications=[Wire("/controlled_velocity", OUTPUT.type)])},
             "topic",
-            "it begins with /, so controlled_velocity:=velocity_cmd does not apply: write 'contr",
+            "neither __ns:=/husky0 nor controlled_velocity:=velocity_cmd applies: write 'contr",
         ),
         (
             {"look": replace(WELL, publications=[Wire("/velocity_cmd", OUTPUT.type)])},
